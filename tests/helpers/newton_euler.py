@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import cross
@@ -28,6 +30,12 @@ def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches
     force, moment = suspension.force, suspension.moment
     force[..., 2] -= dynamics.vehicle.gravity * dynamics.mass
     force += dynamics.hold_force(motion, state)
+    if dynamics.loads:
+        for index in np.ndindex(state.shape[:-1]):
+            at = BodyMotion(*(part_of(part, index) for part in motion))
+            applied = dynamics.applied(travel, at, state[index])
+            force[index] += applied.force
+            moment[index] += applied.moment
     force, moment = rotate_back(motion.sections.axes, force), rotate_back(motion.sections.axes, moment)
     force[..., wheelsets, :] += wrenches[..., :3]
     moment[..., wheelsets, :] += wrenches[..., 3:]
@@ -39,6 +47,11 @@ def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches
     coordinates = np.stack(parts, axis=-1)
     series_rate = suspension.series_rate @ dynamics.coordinates.from_series.T
     return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), series_rate], axis=-1)
+
+
+def part_of(part: Any, index: tuple[int, ...]) -> Any:
+    """Those of the arrays of a motion that belong to one of its states."""
+    return part[index] if isinstance(part, np.ndarray) else type(part)(*(part_of(inner, index) for inner in part))
 
 
 def _translation(dynamics: VehicleDynamics, motion: BodyMotion, force: Array) -> tuple[Array, Array, Array]:

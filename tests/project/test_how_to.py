@@ -112,6 +112,25 @@ def test_weave_of_a_free_wheelset_in_exudyn(tmp_path: Path, monkeypatch: pytest.
     assert pytest.approx(names["conicity"], abs=1e-4) == 0.0526
 
 
+def test_the_braked_vehicle_of_the_page(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The tables fit the scene; the vehicle comes to a halt with the deceleration of the closed form."""
+    from wheelrail.scenes.schema.scene import RunScene, parse_scene
+
+    monkeypatch.chdir(ROOT)
+    plain = (ROOT / "scenes" / "vehicle.toml").read_text(encoding="utf-8").replace("[vehicle]\nspeed = 25.0", "")
+    torques, free, forces = blocks("traction", "toml")
+    scene = parse_scene(f"{plain}\n{torques}\n{free}\n{forces}")
+    assert isinstance(scene, RunScene)
+    assert scene.keys_of_vehicle_files == ["torque", "force", "vehicle.free_speed"]
+    (code,) = blocks("traction", "python")
+    names: dict[str, Any] = {}
+    exec(compile(code, "traction.md", "exec"), names)
+    assert names["measured"] == pytest.approx(names["expected"], rel=2e-3)
+    assert re.fullmatch(
+        r"completed: 15\.\d s, 12\d m, -1\.01\d m/s2 \(closed form -1\.012\)\n", capsys.readouterr().out
+    )
+
+
 def noisy_file(file: Path, profile: Any, start: float, stop: float, shift: float, sign: float) -> None:
     """MiniProf file of points 0.2 mm apart with 5 µm of noise, rounded to 0.1 µm."""
     points = profile.point(np.arange(start, stop, 2e-4))

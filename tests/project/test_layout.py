@@ -68,8 +68,9 @@ MAY_IMPORT |= {
     "contact.tables": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models.table"}
     | {"contact.results", "support"},
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
-    "vehicle": {f"vehicle.{name}" for name in ("multibody", "simulation", "steady", "track", "wagon")},
+    "vehicle": {f"vehicle.{name}" for name in ("loads", "multibody", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
+    "vehicle.loads": {"support"},
     "vehicle.evaluation": {"support"},
     "vehicle.integration": {"support"},
     "vehicle.track": {"contact.kinematics", "support"},
@@ -82,6 +83,7 @@ _DRIVEN = {
     "contact.results",
     "support",
     "vehicle.integration",
+    "vehicle.loads",
     "vehicle.track",
     "vehicle.wagon",
 }
@@ -98,6 +100,7 @@ MAY_IMPORT["scenes.schema"] = {
     "contact.laws",
     "contact.models",
     "meshes.profiles",
+    "vehicle.loads",
     "vehicle.track",
     "vehicle.wagon",
     "support",

@@ -180,7 +180,7 @@ def test_frame_on_segments_at_changing_speed_against_differences(at: float) -> N
         w = parts[2].T @ np.tensordot(weights, parts, axes=1)
         return np.array([w[2, 1], w[0, 2], w[1, 0]])
 
-    frame = frame_at(track, *profile(t))
+    frame = frame_at(track, *profile(t)[:3])
     assert frame.acceleration < -0.2
     np.testing.assert_allclose(frame.rate, spin(t), atol=1e-8)
     change = np.tensordot(weights, [spin(t + k * h) for k in (-2, -1, 0, 1, 2)], axes=1)
@@ -195,7 +195,7 @@ def test_distance_is_the_integral_of_the_speed() -> None:
         assert profile.time_at(profile(t).distance) == pytest.approx(t, abs=1e-10)
         slope = (profile(t + 1e-5).speed - profile(t - 1e-5).speed) / 2e-5
         assert profile(t).acceleration == pytest.approx(slope, abs=1e-6)
-    assert SpeedProfile.of(45.0)(0.3) == (45.0 * 0.3, 45.0, 0.0)
+    assert SpeedProfile.of(45.0)(0.3) == (45.0 * 0.3, 45.0, 0.0, 0.3)
     assert SpeedProfile.of(45.0).time_at(100.0) == 100.0 / 45.0
     for wrong in (0.0, -3.0, np.inf, np.nan):
         with pytest.raises(ValueError, match="speed"):

@@ -69,7 +69,7 @@ def on_rail(forcing: Forcing | None, tolerance: float) -> tuple[StepStatistics, 
             jacobian=jacobian,
             first=FirstStep(length=0.06),
             counts=counts,
-            forcing=forcing,
+            follow=None if forcing is None else lambda t, x: forcing,
         )
     )
     exact = [LOAD + MASS * rail(step.t)[2] for step in steps]

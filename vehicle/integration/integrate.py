@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Generic
 
@@ -11,11 +11,13 @@ import numpy as np
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
 from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
-from wheelrail.vehicle.integration.problem import E, Forcing, Linearise, RightHandSide, StepFailure, StepMethod
+from wheelrail.vehicle.integration.problem import E, Follow, Forcing, Linearise, RightHandSide, StepFailure, StepMethod
 from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, ROSENBROCK4, RosenbrockPair, RosenbrockW
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
 METHODS: dict[str, Tableau | RosenbrockPair] = {**EXPLICIT, **{pair.name: pair for pair in (ROSENBROCK, ROSENBROCK4)}}
+
+NextEnd = Callable[[float], float]
 
 
 class StepTooSmall(RuntimeError):
@@ -30,7 +32,7 @@ class Step(Generic[E]):
         t0, t: start and end of the step, s.
         x0, x: (n,) states there.
         start, end: evaluations there.
-        error: estimated, in tolerances.
+        error: estimated, in tolerances; of a step that was shortened to end at a given time, that of the full step.
         following: length of the next step, s.
         forcing: motion from which the difference is integrated; None: zero.
     """
@@ -66,7 +68,7 @@ class StepSettings:
 
     Parameters:
         method: a name of METHODS.
-        rtol, atol: the tolerance of a component is atol + rtol |x|; atol a number or (n,).
+        rtol, atol: the tolerance of a component is atol + rtol |x|; each a number or (n,).
         output_tolerance: of the outputs of a linearisation, see `HasDerivatives`.
         max_step, min_step: s.
         control: of the step length.
@@ -75,7 +77,7 @@ class StepSettings:
     """
 
     method: str = "ode23"
-    rtol: float = 1e-3
+    rtol: float | Array = 1e-3
     atol: float | Array = 1e-6
     output_tolerance: float = np.inf
     max_step: float = np.inf
@@ -85,7 +87,8 @@ class StepSettings:
     def __post_init__(self) -> None:
         if self.method not in METHODS:
             raise ValueError(f"method {self.method!r}: must be one of {', '.join(METHODS)}")
-        if not (self.rtol >= 0.0 and np.all(np.asarray(self.atol) > 0.0) and 0.0 < self.min_step <= self.max_step):
+        positive = np.all(np.asarray(self.rtol) >= 0.0) and np.all(np.asarray(self.atol) > 0.0)
+        if not (positive and 0.0 < self.min_step <= self.max_step):
             raise ValueError("steps: must satisfy rtol >= 0, atol > 0 and 0 < min_step <= max_step")
 
     @property
@@ -136,7 +139,8 @@ def integrate(
     jacobian: Linearise[E] | None = None,
     first: FirstStep[E] | None = None,
     counts: StepStatistics | None = None,
-    forcing: Forcing | None = None,
+    follow: Follow | None = None,
+    next_end: NextEnd | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
@@ -150,27 +154,30 @@ def integrate(
         jacobian: for implicit methods, evaluated once at every accepted state.
         first: evaluation and step length at t0.
         counts: statistics to add to.
-        forcing: motion from which implicit methods integrate the difference. Where stiff parts of the solution follow
-            it, the stages of a step stay near the solution.
+        follow: motion from which implicit methods integrate the difference, of each step. Where stiff parts of the
+            solution follow it, the stages of a step stay near the solution.
+        next_end: the next time s, after a given one, at which a step has to end, such as that of a kink of the
+            right-hand side; infinite for none.
 
     Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
     if not t1 > t0:
         raise ValueError(f"integrate: t0 = {t0:g} s, t1 = {t1:g} s: must satisfy t1 > t0")
     control, counts = settings.control, counts if counts is not None else StepStatistics()
-    trial_step, k = _method(rhs, settings.tableau, jacobian, counts, forcing), settings.tableau.error_order + 1
+    trial_step, k = _method(rhs, settings.tableau, jacobian, counts, follow), settings.tableau.error_order + 1
     t, x = t0, np.array(x0, dtype=float)
     start, h, error_before = _initial(rhs, t, x, settings, first or FirstStep(), counts)
     first_trial = True
     reason: StepFailure | None = None
     while t < t1:
-        if t + 1.01 * h >= t1:
-            h = t1 - t
+        target, proposed = t1 if next_end is None else min(t1, next_end(t)), h
+        if t + 1.01 * h >= target:
+            h = target - t
         elif h < settings.min_step:
             raise StepTooSmall(f"step {h:.3g} s < {settings.min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
         try:
             new, difference, last = trial_step(t, x, start, h)
-            magnitude, after = np.maximum(np.abs(x), np.abs(new)), t1 if h == t1 - t else t + h
+            magnitude, after = np.maximum(np.abs(x), np.abs(new)), target if h == target - t else t + h
             error = settings.in_tolerances(difference, magnitude, trial_step.outputs)
             if error <= 1.0:
                 end, nonlinear = trial_step.end(after, new, last)
@@ -187,9 +194,11 @@ def integrate(
             h *= control.retry
             continue
         counts.accepted += 1
+        if h < proposed and after < t1:
+            error, h = error * (proposed / h) ** k, proposed
         factor = control.factor(error, error_before, k)
         h = min(settings.max_step, h * (factor if first_trial else min(1.0, factor)))
-        step = Step(t, x, start, after, new, end, error, h, forcing)
+        step = Step(t, x, start, after, new, end, error, h, None if follow is None else follow(t, x))
         t, x, start, error_before, first_trial, reason = after, new, end, error, True, None
         yield step
 
@@ -199,11 +208,11 @@ def _method(
     tableau: Tableau | RosenbrockPair,
     jacobian: Linearise[E] | None,
     counts: StepStatistics,
-    forcing: Forcing | None,
+    follow: Follow | None,
 ) -> StepMethod[E]:
     if isinstance(tableau, Tableau):
         return ExplicitRungeKutta(rhs, tableau, counts)
-    return RosenbrockW(rhs, tableau, counts, jacobian, forcing)
+    return RosenbrockW(rhs, tableau, counts, jacobian, follow)
 
 
 def _initial(

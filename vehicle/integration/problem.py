@@ -49,6 +49,9 @@ Linearise = Callable[[float, Array, E], HasDerivatives]
 Forcing = Callable[[float], Array]  # motion near the solution, and its first two derivatives by time: (3, n)
 
 
+Follow = Callable[[float, Array], Forcing]  # the forcing of a step, by its start in time and state
+
+
 class StepMethod(Protocol[E]):
     """Trial step of length h from x at t, with the evaluation `start` there: new state, its estimated error, evaluation
     of the last stage. Raises StepFailure.

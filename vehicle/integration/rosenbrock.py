@@ -11,7 +11,7 @@ from typing import Any, Generic
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.integration.problem import E, Forcing, HasDerivatives, Linearise, RightHandSide, require_finite
+from wheelrail.vehicle.integration.problem import E, Follow, HasDerivatives, Linearise, RightHandSide, require_finite
 from wheelrail.vehicle.integration.step_control import StepStatistics
 
 Rows = tuple[tuple[float, ...], ...]
@@ -223,7 +223,7 @@ class RosenbrockW(Generic[E]):
         methods: coefficients; those of a step are chosen by its Jacobian.
         counts: statistics to which evaluations and factorisations are added.
         jacobian: linearisation of the right-hand side.
-        forcing: motion from which the difference is integrated; None: zero.
+        follow: motion from which the difference is integrated, of each step; None: zero.
 
     Of a stiffly accurate method, stiff parts of the difference to the companion, which is not, are reduced by
     (1 - h g A)^-1 to the size that they have in the solution (section IV.8 there), and the evaluation at the new state
@@ -234,7 +234,7 @@ class RosenbrockW(Generic[E]):
     methods: RosenbrockPair
     counts: StepStatistics
     jacobian: Linearise[E] | None
-    forcing: Forcing | None = None
+    follow: Follow | None = None
     linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
     last_stage: LastStage | None = field(default=None, init=False)
 
@@ -247,7 +247,7 @@ class RosenbrockW(Generic[E]):
         method = self.methods.exact if linear.exact else self.methods.approximate
         evaluation, state, unknowns = start, x, np.zeros((method.stages, len(x)))
         solve = self._factorised(linear.by_state, h * method.diagonal)
-        moved, by_time = self._moved(t, linear)
+        moved, by_time = self._moved(t, x, linear)
         rise, rate = np.zeros_like(x), moved(0.0)[1]
         for i in range(method.stages):
             if i > 0 and not method.repeats[i]:
@@ -279,14 +279,17 @@ class RosenbrockW(Generic[E]):
     def outputs(self) -> Array | None:
         return self.linear[1].outputs if self.linear is not None and self.last_stage is not None else None
 
-    def _moved(self, t: float, linear: HasDerivatives) -> tuple[Callable[[float], tuple[Array, Array]], Array]:
+    def _moved(
+        self, t: float, x: Array, linear: HasDerivatives
+    ) -> tuple[Callable[[float], tuple[Array, Array]], Array]:
         """Rise (n,) of the forcing motion until some time s after t, and its rate there; derivative (n,) by time of the
         rates of the difference from this motion.
         """
-        if self.forcing is None:
+        if self.follow is None:
             still = np.zeros_like(linear.by_time)
             return lambda after: (still, still), linear.by_time
-        forcing, (start, rate, acceleration) = self.forcing, self.forcing(t)
+        forcing = self.follow(t, x)
+        start, rate, acceleration = forcing(t)
 
         def moved(after: float) -> tuple[Array, Array]:
             position, rate_there, _ = forcing(t + after)

@@ -11,12 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array, Complex
+from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.compiled.bodies import Travel
 from wheelrail.vehicle.multibody.compiled.equations import (
     VehicleArrays,
     accelerations,
     derivatives,
     element_states,
+    near,
     sections,
 )
 from wheelrail.vehicle.multibody.coordinates import Coordinates
@@ -61,6 +63,7 @@ class BodyEquations:
     Parameters:
         suspension: of the vehicle.
         track: sections of the track.
+        applied: torques and forces on the vehicle.
 
     The compiled functions take complex numbers only: one set of machine code serves values, in the real parts, and
     derivatives, in the imaginary parts.
@@ -68,6 +71,7 @@ class BodyEquations:
 
     suspension: SuspensionForces
     track: TrackSections
+    applied: AppliedForces
 
     @property
     def coordinates(self) -> Coordinates:
@@ -75,7 +79,7 @@ class BodyEquations:
 
     @cached_property
     def arrays(self) -> VehicleArrays:
-        return vehicle_arrays(self.suspension, self.track)
+        return vehicle_arrays(self.suspension, self.track, self.applied)
 
     def sections(self, travel: TrackPosition, state: Array) -> Complex:
         """Track sections (n, 6, 3) at the bodies: position m, axes, rotation per length rad/m and its derivative.
@@ -84,8 +88,8 @@ class BodyEquations:
             travel: reference motion along the track.
             state: (2 c + m,).
         """
-        distance = complex(travel.distance)
-        return sections(self.arrays, distance, distance, self._all(state))
+        distance, whole = complex(travel.distance), self._all(state)
+        return sections(self.arrays, distance, near(distance, whole), whole)
 
     def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Complex) -> Accelerations:
         """Accelerations of the coordinates, rates of Maxwell elements, and forces of constraints.
@@ -103,7 +107,7 @@ class BodyEquations:
 
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
-        rates = TrackPosition(travel.speed, travel.acceleration, jerk)
+        rates = TrackPosition(travel.speed, travel.acceleration, jerk, 1.0)
         contact, columns = self._contact(wrenches), self.coordinates.within_all
         rows = derivatives(self.arrays, _complex(travel), _complex(rates), self._all(state), columns, contact)
         count, size, rows = self.coordinates.count, len(columns), self._in_components(rows[:, self._rows])
@@ -117,7 +121,7 @@ class BodyEquations:
             travels: reference motion along the track, of r states.
             states: (r, 2 c + m).
         """
-        motion = np.array(travels, dtype=np.complex128).reshape(-1, 3)
+        motion = np.array(travels, dtype=np.complex128).reshape(-1, 4)
         values = element_states(self.arrays, motion, self._all(states))
         return values[:, 0], values[:, 1]
 

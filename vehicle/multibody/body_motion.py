@@ -80,14 +80,15 @@ class BodyKinematics:
         return np.asarray(travel.distance + self.nominal[:, 0] + position[..., X])
 
     def __call__(self, travel: TrackPosition, state: Array) -> BodyMotion:
-        """Motion in the axes of the heading at the reference's distance.
+        """Motion in the axes of the heading near the reference's distance, see `compiled.equations.near`.
 
         Parameters:
             travel: reference motion along the track.
             state: (..., 2 c + m).
         """
         q, rate, _ = self.coordinates.split(state)
-        sections = self.sections.at(self.distances(travel, state), travel.distance)
+        ahead = 100.0 * np.floor(0.01 * q[..., 0, X].flat[0] + 0.5)
+        sections = self.sections.at(self.distances(travel, state), travel.distance + ahead)
         relative = self._relative(travel, sections, q, rate)
         velocity = relative.offset_rate + cross(relative.frame_rate, relative.offset)
         velocity[..., 0] += relative.speed

@@ -18,11 +18,13 @@ class VehiclePower(NamedTuple):
         contact: of the contact forces on the wheelsets, against rails at rest.
         dampers: of the dampers, not positive.
         hold: of the force that keeps the speed.
+        applied: of torques with their reactions, and of forces.
     """
 
     contact: float
     dampers: float
     hold: float
+    applied: float
 
 
 def mechanical_energy(dynamics: VehicleDynamics, time: float, state: Array) -> float:
@@ -71,19 +73,25 @@ def power(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array)
         state: (2 c + m,).
         wrenches: (w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
     """
-    motion = dynamics.kinematics(dynamics.speed_profile(time), state)
+    travel = dynamics.speed_profile(time)
+    motion = dynamics.kinematics(travel, state)
     position, rate, series = dynamics.coordinates.split(state)
     wheelsets = dynamics.coordinates.wheelset_bodies
     axes = motion.sections.axes[wheelsets]
-    angular = motion.rate[wheelsets] + motion.relative.spin[wheelsets, None] * motion.axes[wheelsets, :, 1]
+    angular = motion.rate.copy()
+    angular[wheelsets] += motion.relative.spin[wheelsets, None] * motion.axes[wheelsets, :, 1]
     contact = (rotate(axes, wrenches[:, :3]) * motion.velocity[wheelsets]).sum()
-    contact += (rotate(axes, wrenches[:, 3:]) * angular).sum()
+    contact += (rotate(axes, wrenches[:, 3:]) * angular[wheelsets]).sum()
     hold = 0.0
     if (part := dynamics.vehicle.speed_hold) is not None:
         i = dynamics.vehicle.names.index(part.body)
         along = motion.velocity[i] @ motion.sections.axes[i, :, 0]
         hold = -(part.stiffness * position[i, X] + part.damping * rate[i, X]) * along
-    return VehiclePower(float(contact), damper_power(dynamics, motion, series), float(hold))
+    applied = 0.0
+    if dynamics.loads:
+        _, _, force, moment = dynamics.applied(travel, motion, state)
+        applied = float((force * motion.velocity).sum() + (moment * angular).sum())
+    return VehiclePower(float(contact), damper_power(dynamics, motion, series), float(hold), applied)
 
 
 def damper_power(dynamics: VehicleDynamics, motion: BodyMotion, series: Array) -> float:

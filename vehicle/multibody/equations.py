@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelrail.contact.element.contact_element import ContactElement
 from wheelrail.contact.kinematics.frames import SIDES, Side
@@ -16,6 +17,8 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array, Complex
 from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.loads.applied_loads import AppliedLoads
+from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquations
 from wheelrail.vehicle.multibody.body_motion import BodyKinematics, BodyMotion
 from wheelrail.vehicle.multibody.coordinates import PITCH, RATE_SCALE, ROLL, YAW, Coordinates, X, Y, Z
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.loading.structure import Structure
 
 WheelContacts = Mapping[str, Mapping[Side, ContactResult]]  # by wheelset and side
+NO_LOADS = AppliedLoads()
 SMOOTH: RailShift = ((0.0, 0.0), (0.0, 0.0))  # displacements of rails without irregularities
 
 
@@ -58,10 +62,11 @@ class VehicleDynamics:
         speed: of the reference motion along the track, constant, m/s, or a `SpeedProfile`.
         structure: axle and rails of each wheelset that move with the contact's loads, with k motions; the contact then
             is that of a `FlexibleState`. None: both are rigid.
+        loads: torques on the wheelsets and forces on the bodies.
 
     A state (2 c + m + w k,) has the parts of `Coordinates`, then the motions of the structures. Each body is described
     in the track frame at its own distance along the track. Raises ValueError for a speed that is not positive and
-    finite, InvalidVehicle for a body that the vertical springs cannot carry.
+    finite, InvalidVehicle for a body that the vertical springs cannot carry, and for loads that do not fit the vehicle.
     """
 
     vehicle: Vehicle
@@ -69,9 +74,10 @@ class VehicleDynamics:
     contact: VehicleContact
     speed: float | SpeedProfile
     structure: Structure | None = None
+    loads: AppliedLoads = NO_LOADS
 
     def __post_init__(self) -> None:
-        _ = self.speed_profile, self.suspension.static_loads  # validates both
+        _ = self.speed_profile, self.suspension.static_loads, self.applied  # validates all
 
     @cached_property
     def speed_profile(self) -> SpeedProfile:
@@ -92,7 +98,54 @@ class VehicleDynamics:
     @cached_property
     def bodies(self) -> BodyEquations:
         """Equations of motion of the bodies under given contact forces."""
-        return BodyEquations(self.suspension, self.kinematics.sections)
+        return BodyEquations(self.suspension, self.kinematics.sections, self.applied)
+
+    @cached_property
+    def applied(self) -> AppliedForces:
+        return AppliedForces(self.coordinates, self.loads)
+
+    @property
+    def runs_free(self) -> bool:
+        """Whether nothing keeps the vehicle at its place in the reference motion."""
+        return self.vehicle.speed_hold is None and not self.coordinates.held[:, X].any()
+
+    @property
+    def drifts(self) -> bool:
+        """Whether the vehicle may move away from its place in the reference motion by more than some millimetres."""
+        return self.runs_free or bool(self.loads)
+
+    @cached_property
+    def drifting(self) -> NDArray[np.bool_]:
+        """Components (2 c + m + w k,) of a state that contain the distance from the reference motion: x of all bodies,
+        the wheelsets' angles of rolling, and their rates.
+        """
+        along = self.coordinates.free % 6 == X
+        along[self.coordinates.rolling_angles] = True
+        result = np.zeros(self.size, dtype=bool)
+        result[: 2 * self.coordinates.count] = np.tile(along, 2)
+        return result
+
+    def drift(self, state: Array) -> tuple[Array, Array]:
+        """Distance m and speed m/s of the centre of mass relative to the reference motion, of states (..., n)."""
+        position, rate, _ = self.coordinates.split(state)
+        share = self.mass / self.mass.sum()
+        return np.asarray(position[..., X] @ share), np.asarray(rate[..., X] @ share)
+
+    def progress(self, time: float, state: Array) -> tuple[float, float]:
+        """Distance m that the vehicle has run at a time s, and its speed m/s: of a vehicle that runs free those of its
+        centre of mass, otherwise those of the reference motion.
+        """
+        distance, speed, *_ = self.speed_profile(time)
+        if not self.runs_free:
+            return distance, speed
+        ahead, faster = self.drift(state)
+        return distance + float(ahead), speed + float(faster)
+
+    def with_constant_loads(self, time: float) -> VehicleDynamics:
+        """The same with torques and forces constant at their values at a time s."""
+        if not self.loads:
+            return self
+        return replace(self, loads=self.loads.at(time, self.speed_profile(time).distance))
 
     @cached_property
     def element(self) -> ContactElement[WheelsetState, Side]:
@@ -192,6 +245,8 @@ class VehicleDynamics:
         for own, i, name in zip(motions, wheelsets, self.vehicle.wheelsets, strict=True):
             q, v = position[i].tolist(), rate[i].tolist()
             speed = travel.speed + v[X]
+            if not speed > 0.0:
+                raise StepFailure(f"{name} does not move forwards")
             wx, wy, wz = (speed * sections[i, 4].real).tolist()
             wheelset = WheelsetState(
                 y=q[Y],

@@ -50,6 +50,15 @@ class VehicleLinearisation:
     outputs: Array | None = None
 
 
+class RailSlopes(NamedTuple):
+    """Derivatives (w, 2, 2, 1) of the displacements y, z of irregular rails at the wheels by distance, and by time in
+    the reference motion.
+    """
+
+    by_distance: Array
+    by_time: Array
+
+
 class ContactTangents(NamedTuple):
     """Derivatives (w, 2, 6, 10 + k) of force and moment of each wheel; whether they are the contact model's own."""
 
@@ -94,7 +103,7 @@ class VehicleJacobian:
         travel, (_, _, jerk) = d.speed_profile(time), d.speed_profile.speeds(time)
         bodies = d.bodies.derivatives(travel, jerk, state, wheelset_wrenches(at.contacts))
         states = d.wheelset_states(time, state)
-        tangents, rails = self.tangents(states, at.contacts), self._rail_rates(travel, state)
+        tangents, rails = self.tangents(states, at.contacts), self._rail_slopes(travel, state)
         forces = self._by_state(tangents.values[:, :, :3])
         result = VehicleLinearisation(np.zeros((d.size, d.size)), np.zeros(d.size), tangents.exact, forces)
         result.by_state[:c, c : 2 * c] = np.eye(c)
@@ -114,8 +123,8 @@ class VehicleJacobian:
             result[i][..., columns] = own[..., free]
         return result.reshape(-1, self.dynamics.size)
 
-    def _rail_rates(self, travel: TrackPosition, state: Array) -> Array | None:
-        """Rates (w, 2, 2, 1) m/s of the displacements y, z of irregular rails at the wheels; None on smooth rails."""
+    def _rail_slopes(self, travel: TrackPosition, state: Array) -> RailSlopes | None:
+        """Derivatives of the displacements of irregular rails at the wheels; None on smooth rails."""
         d, irregularities = self.dynamics, self.dynamics.track.irregularities
         if irregularities is None:
             return None
@@ -126,18 +135,21 @@ class VehicleJacobian:
             for side, way in enumerate((-1.0, 1.0)):  # as in `VehicleDynamics`: yaw puts the left wheel behind
                 by_distance = irregularities.derivatives(distance + way * d.vehicle.wheel_y * yaw)
                 if by_distance is not None:
-                    wheelset[side, :, 0] = travel.speed * by_distance[1, 2 * side : 2 * side + 2]
-        return result
+                    wheelset[side, :, 0] = by_distance[1, 2 * side : 2 * side + 2]
+        return RailSlopes(result, travel.speed * result)
 
     def _add(
-        self, result: VehicleLinearisation, i: int, rows: NDArray[np.int64], by_contact: Array, rails: Array | None
+        self, result: VehicleLinearisation, i: int, rows: NDArray[np.int64], by_contact: Array, rails: RailSlopes | None
     ) -> None:
         """Add derivatives (2, rows, 10 + k) of rates by the changes of the left and the right contact of wheelset i."""
         columns, free = self._columns(i)
         result.by_state[rows[:, None], columns] += by_contact.sum(axis=0)[:, free]
         if rails is not None:
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
-            result.by_time[rows] -= (by_contact[:, :, :2] @ rails[i]).sum(axis=0)[:, 0]
+            result.by_time[rows] -= (by_contact[:, :, :2] @ rails.by_time[i]).sum(axis=0)[:, 0]
+            x = 6 * int(self.dynamics.coordinates.wheelset_bodies[i]) + X
+            if self.dynamics.drifts and (place := self._places.get(x)) is not None:
+                result.by_state[rows, place] -= (by_contact[:, :, :2] @ rails.by_distance[i]).sum(axis=0)[:, 0]
 
     def _add_structures(
         self,
@@ -147,7 +159,7 @@ class VehicleJacobian:
         states: Mapping[str, WheelsetState],
         contacts: WheelContacts,
         tangents: Array,
-        rails: Array | None,
+        rails: RailSlopes | None,
     ) -> None:
         """Add the rows of the motions of axles and rails."""
         d, count = self.dynamics, len(FlexibleState.coordinates)
@@ -162,16 +174,21 @@ class VehicleJacobian:
             self._add(result, i, rows, structure.by_loads @ slopes, rails)
             result.by_state[rows[:, None], rows] += structure.by_motions
             by_distance = structure.rates_by_distance(motions[i], structure.loads(wheelset, wrenches))
-            result.by_time[rows] += wheelset.speed * by_distance
+            result.by_time[rows] += travel.speed * by_distance
             x = 6 * d.coordinates.wheelset_bodies[i] + X
             result.by_state[rows[:, None], np.flatnonzero(d.coordinates.free == x)] += by_distance[:, None]
+
+    @property
+    def _places(self) -> dict[int, int]:
+        """Index in the state by index among all coordinates and rates."""
+        return {coordinate: k for k, coordinate in enumerate(self.dynamics.coordinates.within_all.tolist())}
 
     def _columns(self, i: int) -> tuple[list[int], list[int]]:
         """Indices in the state of coordinates and motions of wheelset i and of its speed, and of their columns in the
         tangents, without those that are held.
         """
         d, body = self.dynamics, int(self.dynamics.coordinates.wheelset_bodies[i])
-        places = {coordinate: k for k, coordinate in enumerate(d.coordinates.within_all.tolist())}
+        places = self._places
         total, columns = d.coordinates.held.size, [6 * body + k for k in (Y, Z, ROLL, YAW)]
         columns += [total + 6 * body + k for k in (Y, Z, ROLL, YAW, PITCH)]
         indices = [places.get(column) for column in columns]

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from wheelrail.vehicle.multibody.applied_forces import AppliedForces
+from wheelrail.vehicle.multibody.compiled.applied_loads import LoadArrays
 from wheelrail.vehicle.multibody.compiled.bodies import BodyArrays
 from wheelrail.vehicle.multibody.compiled.elements import ElementArrays, LawArrays
 from wheelrail.vehicle.multibody.compiled.equations import VehicleArrays
@@ -16,9 +18,10 @@ from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 
-def vehicle_arrays(suspension: SuspensionForces, track: TrackSections) -> VehicleArrays:
-    """Arrays of the vehicle of a suspension, and of a track."""
-    return VehicleArrays(body_arrays(suspension.coordinates), element_arrays(suspension), track_arrays(track))
+def vehicle_arrays(suspension: SuspensionForces, track: TrackSections, applied: AppliedForces) -> VehicleArrays:
+    """Arrays of the vehicle of a suspension, of a track, and of torques and forces."""
+    bodies, elements = body_arrays(suspension.coordinates), element_arrays(suspension)
+    return VehicleArrays(bodies, elements, track_arrays(track), load_arrays(applied))
 
 
 def body_arrays(coordinates: Coordinates) -> BodyArrays:
@@ -93,3 +96,22 @@ def law_arrays(laws: Sequence[ForceLaw]) -> LawArrays:
 def track_arrays(sections: TrackSections) -> TrackArrays:
     line = sections.alignment
     return TrackArrays(line.starts, np.ascontiguousarray(line.coefficients), float(sections.track.base))
+
+
+def load_arrays(applied: AppliedForces) -> LoadArrays:
+    tables, torques = applied.loads.tables, len(applied.loads.torques)
+    points = np.array([point for table in tables for point in table.points], dtype=float).reshape(-1, 2)
+    return LoadArrays(
+        wheelset=applied.wheelsets,
+        reaction=applied.reactions,
+        brake=applied.brakes.astype(np.int64),
+        torque=np.arange(torques),
+        release=float(applied.release),
+        body=applied.bodies,
+        arm=applied.arms,
+        force=np.arange(torques, len(tables)).reshape(-1, 3),
+        starts=np.cumsum([0, *(len(table.points) for table in tables)]),
+        by_distance=np.array([table.by_distance for table in tables], dtype=np.int64),
+        abscissae=np.ascontiguousarray(points[:, 0]),
+        values=np.ascontiguousarray(points[:, 1]),
+    )

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.loading.structure import Structure
 
 POWERS = ("contact", "dampers", "gravity", "inertial")
+APPLIED = (*POWERS, "applied")  # with torques and forces
 
 
 @dataclass(frozen=True)
@@ -29,7 +30,7 @@ class EnergyBalance:
     Parameters:
         time: (n,) s.
         energy: (n,) J, kinetic energy and potential energy of springs.
-        power: (n, 4) W of `POWERS`; that of dampers is negative.
+        power: (n, 4) W of `POWERS`, or (n, 5) of `APPLIED`; that of dampers is negative.
 
     Spin is measured from nominal rolling, whose half a megajoule would hide the other contributions. Contact forces do
     work on the wheelset, gravity and the inertial forces of the frame on all bodies. The constraint that moves the
@@ -44,7 +45,7 @@ class EnergyBalance:
 
     @cached_property
     def work(self) -> Array:
-        """Work (n, 4) J of each power since the first row, by a piecewise cubic curve through the samples.
+        """Work (n, 4) or (n, 5) J of each power since the first row, by a piecewise cubic curve through the samples.
 
         Slopes depend on the next two samples to each side: the kinks of the contact's power where wheels lift and land
         stay local. H. Akima, Journal of the ACM 17 (1970) 589-602, DOI 10.1145/321607.321609.
@@ -76,7 +77,8 @@ def energy_balance(history: History) -> EnergyBalance:
         history: rows at all accepted steps.
     """
     dynamics = history.dynamics
-    energy, power = np.empty(len(history)), np.empty((len(history), len(POWERS)))
+    causes = APPLIED if dynamics.loads else POWERS
+    energy, power = np.empty(len(history)), np.empty((len(history), len(causes)))
     for i, row in enumerate(history.rows):
         wrenches = np.concatenate([row.force, row.moment], axis=2).sum(axis=1)
         energy[i], power[i] = _of_bodies(dynamics, row.time, row.state, wrenches)
@@ -89,7 +91,7 @@ def energy_balance(history: History) -> EnergyBalance:
 
 
 def _of_bodies(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> tuple[float, Array]:
-    """Energy J, and powers (4,) W, of bodies and suspension.
+    """Energy J, and powers (4,) or (5,) W, of bodies and suspension.
 
     Parameters:
         dynamics: equations of motion.
@@ -122,6 +124,10 @@ def _of_bodies(dynamics: VehicleDynamics, time: float, state: Array, wrenches: A
         dynamics.vehicle.gravity * dynamics.mass @ (down * velocity).sum(axis=1),
         -dynamics.mass @ (acceleration * velocity).sum(axis=1) - (moment * own).sum(),
     ]
+    if dynamics.loads:
+        applied = dynamics.applied(travel, motion, state)
+        force, moments = (rotate_back(sections.axes, vectors) for vectors in (applied.force, applied.moment))
+        powers.append((force * velocity).sum() + (moments * turn).sum())
     return kinetic + spring_energy(dynamics, motion, series), np.array(powers)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.coordinates import PITCH, VehicleState, X
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.row import Row
@@ -90,17 +91,49 @@ class History:
 
     @property
     def distance(self) -> Array:
-        """Distance of the reference motion along the track (n,), m."""
+        """Distance along the track (n,), m: of the reference motion or, of a vehicle that runs free, of its centre of
+        mass, both from their places at time zero.
+        """
         return self._track_positions[:, 0]
 
     @property
     def speeds(self) -> Array:
-        """Speed of the reference motion (n,), m/s."""
+        """Speed along the track (n,), m/s, of the same."""
         return self._track_positions[:, 1]
 
     @cached_property
     def _track_positions(self) -> Array:
-        return self.dynamics.speed_profile.positions(self.time)
+        positions = self.dynamics.speed_profile.positions(self.time)
+        if self.dynamics.runs_free:
+            positions[:, :2] += np.stack(self.dynamics.drift(self.state), axis=1)
+        return positions
+
+    @cached_property
+    def motion(self) -> VehicleState:
+        """Parts of the states whose x, and angles of rolling of the wheelsets, count from a reference motion with
+        `distance` and `speeds`: that of the run or, of a vehicle that runs free, that of its centre of mass.
+        """
+        parts = self.dynamics.coordinates.split(self.state)
+        if not self.dynamics.runs_free:
+            return parts
+        wheelsets = self.dynamics.coordinates.wheelset_bodies
+        for values, drift in zip(parts[:2], self.dynamics.drift(self.state), strict=True):
+            values[..., X] -= drift[:, None]
+            values[:, wheelsets, PITCH] -= drift[:, None] / self.dynamics.vehicle.radius
+        return parts
+
+    def applied(self) -> tuple[Array, Array]:
+        """Torques (n, w) N m on the wheelsets about their axles, and forces (n, b, 3) N on the bodies along the axes of
+        the track sections there.
+        """
+        d = self.dynamics
+        torque, force = np.zeros((len(self), len(d.vehicle.names))), np.zeros((len(self), len(d.vehicle.names), 3))
+        for row, on_wheelsets, on_bodies in zip(self.rows, torque, force, strict=True):
+            travel = d.speed_profile(row.time)
+            at = d.applied(travel, d.kinematics(travel, row.state), row.state)
+            np.add.at(on_wheelsets, d.applied.wheelsets, at.torque)
+            np.add.at(on_bodies, d.applied.bodies, at.components)
+        return torque[:, d.coordinates.wheelset_bodies], force
 
     def position(self, body: str) -> Array:
         """Coordinates (n, 6) m and rad of a body; the pitch of a wheelset in excess of nominal rolling."""

@@ -15,6 +15,9 @@ class OutOfBounds(RuntimeError):
     """The vehicle has overturned or derailed: the model is no longer valid."""
 
 
+SLOWEST = 0.1  # m/s: at 1 m/s2 a vehicle stops within 5 mm, the length of a contact patch; rolling is no longer steady
+
+
 @dataclass(frozen=True)
 class Limits:
     """Bounds beyond which a run ends; infinity is no limit.
@@ -45,24 +48,25 @@ class Limits:
             time: s.
             state: (2 c + m + w k,).
         """
+        distance, _ = dynamics.progress(time, state)
         position = dynamics.coordinates.split(state).position
         for name, (_, _, _, roll, _, yaw) in zip(dynamics.vehicle.names, position.tolist(), strict=True):
             if abs(roll) > self.roll:
-                self._end(
-                    dynamics, time, f"the {_words(name)} overturns to the {_hand(-roll)}: roll {abs(roll):.3f} rad"
-                )
+                _end(f"the {_words(name)} overturns to the {_hand(-roll)}: roll {abs(roll):.3f} rad", time, distance)
             if abs(yaw) > self.roll:
-                self._end(dynamics, time, f"the {_words(name)} has turned off the track: yaw {yaw:.3f} rad")
+                _end(f"the {_words(name)} has turned off the track: yaw {yaw:.3f} rad", time, distance)
         for name, of_wheelset in wheels(dynamics, time, state).items():
             shift, lift = min(of_wheelset, key=lambda wheel: wheel[1])
             gone = f"the {_words(name)} has left the rails"
             if abs(shift) > self.shift:
-                self._end(dynamics, time, f"{gone} to the {_hand(shift)}: lateral shift {1e3 * abs(shift):.0f} mm")
+                _end(f"{gone} to the {_hand(shift)}: lateral shift {1e3 * abs(shift):.0f} mm", time, distance)
             if lift > self.lift:
-                self._end(dynamics, time, f"{gone}: both wheels are at least {1e3 * lift:.0f} mm above the rails")
+                _end(f"{gone}: both wheels are at least {1e3 * lift:.0f} mm above the rails", time, distance)
 
-    def _end(self, dynamics: VehicleDynamics, time: float, event: str) -> NoReturn:
-        raise OutOfBounds(f"{event} at t = {time:.4g} s, {dynamics.speed_profile(time).distance:.4g} m")
+
+def _end(event: str, time: float, distance: float) -> NoReturn:
+    """Raises OutOfBounds."""
+    raise OutOfBounds(f"{event} at t = {time:.4g} s, {distance:.4g} m")
 
 
 LIMITS = Limits()

@@ -41,6 +41,13 @@ class Recorder:
         self.rows.extend([_end(step)] if self.every is None else self._within(step, self.every))
         self.latest = step.t, step.x
 
+    def next_row(self, time: float) -> float:
+        """Time s of the next row at equal intervals; infinite for rows at accepted steps."""
+        if self.every is None:
+            return np.inf
+        origin = self.rows[0].time
+        return origin + (int(np.floor((time - origin) / self.every * (1 + 1e-12))) + 1) * self.every
+
     def _within(self, step: Step[VehicleEvaluation], every: float) -> list[Row]:
         origin = self.rows[0].time
         first = int(np.floor((step.t0 - origin) / every * (1 + 1e-12))) + 1

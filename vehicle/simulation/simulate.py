@@ -29,6 +29,7 @@ def simulate(
     recording: Recording | None = None,
     limits: Limits = LIMITS,
     progress: Progress | None = None,
+    until: float = np.inf,
 ) -> History:
     """Motion of a vehicle over a time span; the distance is zero at time zero.
 
@@ -36,7 +37,7 @@ def simulate(
         dynamics: equations of motion.
         span: start and end, s.
         initial: (2 c + m + w k,) state (see `wheelrail.vehicle.multibody.coordinates`); None: the equilibrium at the
-            speed, curvature and cant at the start.
+            speed, curvature, cant, torques and forces at the start, see `start_state`.
         steps: None: `IMPLICIT`. "ode23" and "ode45" are explicit and resolve the contact's 150 Hz and, where yaw is
             free, the fast decay of creep; "rosenbrock" is linearly implicit and uses the contact's tangent if it has
             one, and so is "rosenbrock4", of higher order for sustained oscillations. Tolerances are best not too
@@ -46,15 +47,17 @@ def simulate(
             be those of the interrupted run.
         limits: bounds beyond which the run ends.
         progress: called at each accepted step with the completed fraction and statistics.
+        until: distance m at which the run is complete, with the step that reaches it; see `History.distance`.
 
-    The initial guess of a contact solve is the previous result, at the start of a step that of the latest accepted
-    state. A failed solve shortens the step. If the smallest step fails, beyond the limits, or on Ctrl-C, the history
-    ends there; its status names the reason. Raises ValueError for invalid input.
+    A vehicle that runs free and has slowed down to 0.1 m/s has stopped, and the run is complete. Steps end at the kinks
+    of torques and forces over time. The initial guess of a contact solve is the previous result, at the start of a step
+    that of the latest accepted state. A failed solve shortens the step. If the smallest step fails, beyond the limits,
+    or on Ctrl-C, the history ends there; its status names the reason. Raises ValueError for invalid input.
     """
     if initial is not None and np.shape(initial) != (dynamics.size,):
         raise ValueError(f"initial: shape {np.shape(initial)}: must be ({dynamics.size},), the state of this vehicle")
     settings = step_settings(dynamics, steps or IMPLICIT)
-    run = TimeRun(dynamics, span, settings, recording or Recording(), limits, progress)
+    run = TimeRun(dynamics, span, settings, recording or Recording(), limits, progress, until)
     status = run.run(None if initial is None else np.array(initial, dtype=float))
     return History(dynamics, status, run.recorder.rows, run.cost)
 
@@ -66,15 +69,18 @@ def step_settings(dynamics: VehicleDynamics, steps: StepSettings) -> StepSetting
         dynamics: equations of motion.
         steps: settings, of which atol, if it is a number, is that of positions and deflections, m and rad. Explicit
             methods, limited by stability, use it for rates, too; for implicit ones see `VehicleDynamics.tolerances`,
-            and forces of wheels have a tolerance of 10 rtol times the mean static load.
+            forces of wheels have a tolerance of 10 rtol times the mean static load, and displacements from the
+            reference motion have no relative one where they are not small.
     """
-    atol, output_tolerance = steps.atol, steps.output_tolerance
+    atol, rtol, output_tolerance = steps.atol, steps.rtol, steps.output_tolerance
     if isinstance(atol, float | int) and isinstance(steps.tableau, RosenbrockPair):
         atol = dynamics.tolerances(atol)
+        if dynamics.drifts:
+            rtol = np.where(dynamics.drifting, 0.0, rtol)
         masses, wheels = dynamics.mass.sum(), len(SIDES) * len(dynamics.vehicle.wheelsets)
-        output_tolerance = FORCE_SCALE * steps.rtol * GRAVITY * float(masses) / wheels or np.inf
+        output_tolerance = float(FORCE_SCALE * np.max(steps.rtol) * GRAVITY * masses / wheels) or np.inf
     longest = min(steps.max_step, longest_step(dynamics))
-    return replace(steps, atol=atol, output_tolerance=output_tolerance, max_step=longest)
+    return replace(steps, rtol=rtol, atol=atol, output_tolerance=output_tolerance, max_step=longest)
 
 
 def longest_step(dynamics: VehicleDynamics) -> float:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from math import inf
 from time import perf_counter
 
 from wheelrail.contact.kinematics.frames import SIDES
@@ -14,14 +16,15 @@ from wheelrail.vehicle.integration.integrate import FirstStep, Step, StepSetting
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
-from wheelrail.vehicle.multibody.structure_motions import with_motions_at_rates
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints, WarmStarts
 from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
 from wheelrail.vehicle.simulation.history import RunCost
-from wheelrail.vehicle.simulation.limits import Limits, OutOfBounds, describe_position
+from wheelrail.vehicle.simulation.limits import SLOWEST, Limits, OutOfBounds, describe_position
 from wheelrail.vehicle.simulation.rail_following import rail_following
 from wheelrail.vehicle.simulation.recorder import Recorder
-from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
+from wheelrail.vehicle.simulation.structure_motions import with_motions_at_rates
+from wheelrail.vehicle.steady.equilibrium import EquilibriumError
+from wheelrail.vehicle.steady.start_state import start_state
 
 Progress = Callable[[float, Mapping[str, float]], None]
 
@@ -55,8 +58,10 @@ class TimeRun:
         recording: rows and checkpoints.
         limits: bounds beyond which the run ends.
         progress: called at each accepted step with the completed fraction and statistics.
+        until: distance m at which the run is complete.
 
-    Raises ValueError for a checkpoint of another state.
+    A vehicle that runs free and slows down to `SLOWEST` has stopped: the run is complete, too. Raises ValueError for a
+    checkpoint of another state.
     """
 
     def __init__(
@@ -67,8 +72,9 @@ class TimeRun:
         recording: Recording,
         limits: Limits,
         progress: Progress | None,
+        until: float,
     ) -> None:
-        self.limits = limits
+        self.limits, self.until = limits, until
         self.span, self.steps, self.progress, self.checkpoints = span, steps, progress, recording.checkpoints
         self.latest = self.checkpoints.latest if self.checkpoints else None
         if self.latest is not None and self.latest.state.shape != (dynamics.size,):
@@ -128,7 +134,7 @@ class TimeRun:
 
     def _start(self, initial: Array | None) -> Checkpoint:
         time = self.span[0]
-        state = equilibrium(self.dynamics, time=time).state if initial is None else initial.astype(float)
+        state = start_state(self.dynamics, time) if initial is None else initial.astype(float)
         return Checkpoint(time, state, None, 1.0, None, None, self.cost, self.recorder.rows)
 
     def _integrate(self, at: Checkpoint) -> None:
@@ -147,12 +153,23 @@ class TimeRun:
             jacobian=jacobian,
             first=FirstStep(first, at.step, at.error),
             counts=self.cost.steps,
-            forcing=rail_following(self.dynamics),
+            follow=rail_following(self.dynamics),
+            next_end=self._next_end if self.dynamics.drifts else None,
         )
         for count, step in enumerate(steps, start=1):
-            self._accept(step)
+            if self._accept(step):
+                return
             if self.checkpoints is not None and count % self.checkpoints.every == 0 and step.t < self.span[1]:
                 self.checkpoints.write(self._checkpoint(step, jacobian))
+
+    def _next_end(self, time: float) -> float:
+        """Next time s at which a step has to end: at a kink of torques and forces, and at a row of a vehicle that runs
+        free. Between the ends of its steps, which become long, the slower it is, the more its creep forces are those of
+        the errors of interpolated rates, over a speed that falls.
+        """
+        kinks = self.dynamics.loads.kinks
+        after = kinks[i] if (i := bisect_right(kinks, time)) < len(kinks) else inf
+        return min(after, self.recorder.next_row(time)) if self.dynamics.runs_free else after
 
     def _checkpoint(self, step: Step[VehicleEvaluation], jacobian: VehicleJacobian) -> Checkpoint:
         """Checkpoint at the end of a step."""
@@ -168,14 +185,16 @@ class TimeRun:
             self.recorder.rows,
         )
 
-    def _accept(self, step: Step[VehicleEvaluation]) -> None:
-        """Records a step. Raises OutOfBounds beyond the limits."""
+    def _accept(self, step: Step[VehicleEvaluation]) -> bool:
+        """Records a step; whether the vehicle has arrived or stopped. Raises OutOfBounds beyond the limits."""
         self.recorder.add(step)
         self.limits.check(self.dynamics, step.t, step.x)
+        distance, speed = self.dynamics.progress(step.t, step.x)
         if self.progress is not None:
             t0, t1 = self.span
-            distance = self.dynamics.speed_profile(step.t).distance
-            self.progress((step.t - t0) / (t1 - t0), _figures(step.t, step.t - step.t0, distance, self.cost))
+            done = max((step.t - t0) / (t1 - t0), distance / self.until)
+            self.progress(done, _figures(step.t, step.t - step.t0, distance, self.cost))
+        return distance >= self.until or (self.dynamics.runs_free and speed < SLOWEST)
 
 
 def _figures(time: float, step: float, distance: float, cost: RunCost) -> dict[str, float]:

@@ -33,7 +33,7 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
 
     Raises StepFailure and StepTooSmall.
     """
-    line, (s, speed, _) = dynamics.track, dynamics.speed_profile(time)
+    line, (s, speed, *_) = dynamics.track, dynamics.speed_profile(time)
     ends = (0.0, RAMP * speed)
     curvature, superelevation, gradient = (
         PiecewiseFunction(ends, (0.0, function(s)[0]))

@@ -54,11 +54,11 @@ def equilibrium(
     acceptable: float = 1e-4,
     max_iterations: int = 60,
 ) -> Equilibrium:
-    """State without acceleration at constant speed, curvature, cant and gradient on smooth rails.
+    """State without acceleration at constant speed, curvature, cant, gradient, torques and forces on smooth rails.
 
     Parameters:
         dynamics: equations of motion.
-        time: s, at which speed, curvature, cant and gradient are taken.
+        time: s, at which speed, curvature, cant, gradient, torques and forces are taken.
         guess: (2 c + m + w k,) initial state; None: upright bodies at the height at which the contacts carry them.
         tolerance: of the residual.
         acceptable: residual that is accepted when the iteration stalls, limited by the accuracy of the contact.
@@ -71,6 +71,7 @@ def equilibrium(
     """
     if dynamics.vehicle.speed_hold is None and not dynamics.coordinates.held[:, X].any():
         raise EquilibriumError("no equilibrium: without a speed_hold the position along the track is undetermined")
+    dynamics = dynamics.with_constant_loads(time)
     problem = SteadyProblem.of(dynamics, time)
     starts: list[Callable[[], Array]] = [StaticStart(problem)]
     if guess is not None:

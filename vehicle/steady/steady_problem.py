@@ -45,7 +45,7 @@ class SteadyProblem:
     @classmethod
     def of(cls, dynamics: VehicleDynamics, time: float) -> SteadyProblem:
         """At the speed, curvature, cant and gradient at a time s, on smooth rails."""
-        (s, speed, _), line = dynamics.speed_profile(time), dynamics.track
+        (s, speed, *_), line = dynamics.speed_profile(time), dynamics.track
         functions = (line.curvature, line.superelevation, line.gradient)
         if (
             line.irregularities is None

@@ -12,11 +12,12 @@ from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 
 
 class TrackPosition(NamedTuple):
-    """Distance m along the track, speed m/s, acceleration m/s2."""
+    """Distance m along the track, speed m/s, acceleration m/s2, at a time s."""
 
     distance: float
     speed: float
     acceleration: float
+    time: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -26,9 +27,11 @@ class SpeedProfile:
     Parameters:
         speeds: m/s, function of time s.
 
-    The motion along the track is a constraint, whose force along x is not computed. No traction or braking torque acts
-    on the axle: when the speed changes, the rails accelerate the wheelset's rotation by a longitudinal force of
-    J dV/dt / r^2 in total. Raises ValueError for speeds that are not positive and finite.
+    Of the plane wagon, and of bodies whose x is held, the motion along the track is a constraint. A vehicle whose speed
+    is held follows the profile by the force of its `SpeedHold` on one body, not by its wheels: when the speed changes
+    without a torque on the axles, the rails accelerate the rotation of every wheelset by a longitudinal force of J
+    dV/dt / r^2 in total. To a vehicle that runs free it is the reference from which displacements count. Raises
+    ValueError for speeds that are not positive and finite.
     """
 
     speeds: PiecewiseFunction
@@ -58,11 +61,11 @@ class SpeedProfile:
 
     def __call__(self, time: float) -> TrackPosition:
         speed, acceleration, _ = self.speeds(time)
-        return TrackPosition(self.speeds.integral(time), speed, acceleration)
+        return TrackPosition(self.speeds.integral(time), speed, acceleration, time)
 
     def positions(self, times: Array) -> Array:
         """Distance m, speed m/s and acceleration m/s2 (n, 3) at times (n,) s."""
-        return np.array([self(time) for time in times.tolist()], dtype=float).reshape(-1, 3)
+        return np.array([self(time)[:3] for time in times.tolist()], dtype=float).reshape(-1, 3)
 
     def time_at(self, distance: float) -> float:
         """Time s at which the vehicle reaches a distance m."""

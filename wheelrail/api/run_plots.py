@@ -34,7 +34,7 @@ class RunPlots:
         """
         from wheelrail.scenes.plots import runs, vehicle_runs
 
-        pictures = vehicle_runs.PICTURES if self._of_vehicle else runs.PICTURES
+        pictures = vehicle_runs.pictures_of(self.data) if self._of_vehicle else runs.PICTURES
         with styled():
             return {name: panels(draw(self.data, shown(None))) for name, draw in pictures.items()}
 

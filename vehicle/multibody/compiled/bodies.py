@@ -58,11 +58,12 @@ class BodyArrays(NamedTuple):
 
 
 class Travel(NamedTuple):
-    """Reference motion along the track: distance m, speed m/s and acceleration m/s2."""
+    """Reference motion along the track: distance m, speed m/s, acceleration m/s2; and time s."""
 
     distance: complex
     speed: complex
     acceleration: complex
+    time: complex
 
 
 class FrameMotion(NamedTuple):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.support.arrays import Array, Complex, Nodes
+from wheelrail.vehicle.multibody.compiled.applied_loads import LoadArrays, add_load_changes, add_loads
 from wheelrail.vehicle.multibody.compiled.bodies import (
     Acceleration,
     BodyArrays,
@@ -26,11 +27,12 @@ STEP = 1e-20  # imaginary part of a perturbed component; its square is lost in t
 
 
 class VehicleArrays(NamedTuple):
-    """Bodies, elements and track of a vehicle."""
+    """Bodies, elements and track of a vehicle, and torques and forces on it."""
 
     bodies: BodyArrays
     elements: ElementArrays
     track: TrackArrays
+    loads: LoadArrays
 
 
 @analytic
@@ -50,6 +52,15 @@ def add_to(values: Complex, vector: Vector) -> None:
 def section_of(rows: Complex) -> Section:
     """Section of rows (6, 3), see `sections`."""
     return Section(load(rows[0]), (load(rows[1]), load(rows[2]), load(rows[3])), load(rows[4]), load(rows[5]))
+
+
+@analytic
+def near(distance: complex, state: Complex) -> complex:
+    """Distance m of the common axes: that of the reference motion, from which a vehicle that runs free drifts far away,
+    to the nearest 100 m.
+    """
+    place: complex = distance.real + 100.0 * np.floor(0.01 * state[0].real + 0.5) + 0.0j
+    return place
 
 
 @analytic
@@ -149,15 +160,15 @@ def element_states(vehicle: VehicleArrays, travels: Complex, states: Complex) ->
 
     Parameters:
         vehicle: bodies, elements and track.
-        travels: (r, 3) distance m, speed m/s and acceleration m/s2 of the reference motion.
+        travels: (r, 4) distance m, speed m/s and acceleration m/s2 of the reference motion, and time s.
         states: (r, 12 n + m) with held coordinates.
     """
     elements, c = vehicle.elements, 12 * len(vehicle.bodies.mass)
     result = np.empty((len(states), 2, len(elements.upper), 3))
     rate = np.empty(states.shape[1] - c, np.complex128)
     for i in range(len(states)):
-        travel = Travel(travels[i, 0], travels[i, 1], travels[i, 2])
-        rows = sections(vehicle, travel.distance, travel.distance, states[i])
+        travel = Travel(travels[i, 0], travels[i, 1], travels[i, 2], travels[i, 3])
+        rows = sections(vehicle, travel.distance, near(travel.distance, states[i]), states[i])
         motions = motions_of(vehicle, rows, travel, states[i])
         for e in range(len(elements.upper)):
             upper, lower = motion_in(motions[elements.upper[e]]), motion_in(motions[elements.lower[e]])
@@ -172,7 +183,7 @@ def accelerations(vehicle: VehicleArrays, rows: Complex, travel: Travel, state: 
     """Accelerations (6 n,) of the coordinates, then the rates (m,) m/s of the springs of Maxwell elements.
 
     Parameters:
-        vehicle: bodies and elements.
+        vehicle: bodies, elements and loads.
         rows: (n, 6, 3), see `sections`.
         travel: reference motion.
         state: (12 n + m,) with held coordinates.
@@ -185,6 +196,7 @@ def accelerations(vehicle: VehicleArrays, rows: Complex, travel: Travel, state: 
     result = np.empty(len(state) - 6 * n, np.complex128)
     motions = motions_of(vehicle, rows, travel, state)
     total = suspension(vehicle, motions, state[12 * n :], result[6 * n :])
+    add_loads(vehicle.bodies, vehicle.loads, travel, state, rows, motions, total)
     for i in range(n):
         store_accelerations(vehicle, rows[i], travel, state, total[i], wrenches[i], i, result[6 * i : 6 * i + 6])
     return result
@@ -208,7 +220,8 @@ def store_accelerations(
         rows: (6, 3), section of the track at the body.
         travel: reference motion.
         state: (12 n + m,) with held coordinates.
-        total, wrench: (2, 3) force and moment of the suspension, in common axes, and of contacts, in the track frame.
+        total, wrench: (2, 3) force and moment of suspension and loads, in common axes, and of contacts, in the track
+            frame.
         i: number of the body.
         values: filled.
     """
@@ -236,7 +249,7 @@ def derivatives(
     """Derivatives (s + 7, 6 n + m) of the accelerations at a real state by complex steps, exact but for round-off.
 
     Parameters:
-        vehicle: bodies, elements and track.
+        vehicle: bodies, elements, track and loads.
         travel, rates: reference motion, and its derivative by time.
         state: (12 n + m,) with held coordinates.
         columns: (s,) indices of its components by which the derivatives are taken.
@@ -247,10 +260,11 @@ def derivatives(
     SIAM Review 40 (1998) 110-112, doi:10.1137/S003614459631241X.
     """
     n, size = len(vehicle.bodies.mass), len(columns)
-    c, step, reference = 6 * n, STEP * 1j, travel.distance
-    result, rows = np.zeros((size + 7, len(state) - c)), sections(vehicle, travel.distance, travel.distance, state)
+    c, step, reference = 6 * n, STEP * 1j, near(travel.distance, state)
+    result, rows = np.zeros((size + 7, len(state) - c)), sections(vehicle, travel.distance, reference, state)
     motions, rates_of = motions_of(vehicle, rows, travel, state), np.zeros(len(state) - 2 * c, np.complex128)
     total = suspension(vehicle, motions, state[2 * c :], rates_of)
+    add_loads(vehicle.bodies, vehicle.loads, travel, state, rows, motions, total)
     responses = wrench_responses(vehicle, rows, travel, state, total, wrenches)
     for i in range(n):
         for d in range(6):
@@ -278,6 +292,7 @@ def derivatives(
             store_section(vehicle, travel.distance, reference, point, body, own_rows[body])
         store_motion(vehicle, own_rows[body], travel, point, body, own_motion[body])
         add_changes(vehicle.elements, bases, own_motion, body, STEP, change, own_rates)
+        add_load_changes(vehicle.bodies, vehicle.loads, travel, point, own_rows, own_motion, body, STEP, change)
         for i in range(n):
             if i != body:
                 add_response(responses[i], section_of(rows[i]), change[i], result[k, 6 * i : 6 * i + 6])
@@ -293,6 +308,7 @@ def derivatives(
         travel.distance + step * rates.distance,
         travel.speed + step * rates.speed,
         travel.acceleration + step * rates.acceleration,
+        travel.time + step * rates.time,
     )
     rate = accelerations(vehicle, sections(vehicle, at.distance, reference, point), at, point, wrenches)
     for j in range(len(rate)):
@@ -310,7 +326,7 @@ def wrench_responses(
     Parameters:
         vehicle, travel, state, wrenches: as for `derivatives`.
         rows: (n, 6, 3), sections of the track at the bodies.
-        total: (n, 2, 3), forces and moments of the suspension.
+        total: (n, 2, 3), forces and moments of suspension and loads.
     """
     result, values = np.empty((len(rows), 6, 6)), np.empty(6, np.complex128)
     for i in range(len(rows)):

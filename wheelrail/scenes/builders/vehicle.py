@@ -10,6 +10,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 
 if TYPE_CHECKING:
+    from wheelrail.vehicle.loads.applied_loads import AppliedLoads
     from wheelrail.vehicle.multibody.vehicle import Vehicle
     from wheelrail.vehicle.track.track import Track
     from wheelrail.vehicle.wagon.wagon import Wagon
@@ -34,6 +35,48 @@ def track_before(scene: RunScene, vehicle: Vehicle) -> Track:
 def wagon(scene: RunScene) -> Wagon:
     """Wagon of the scene, with the wheel radius of the scene."""
     return scene.vehicle.on(scene.wheelset.radius)
+
+
+def applied_loads(scene: RunScene, vehicle: Vehicle) -> AppliedLoads:
+    """Torques and forces of a scene on a vehicle.
+
+    Parameters:
+        scene: of a run.
+        vehicle: on which they act.
+
+    Raises SceneError for wheelsets and bodies that the vehicle does not have.
+    """
+    from wheelrail.vehicle.loads.applied_loads import AppliedLoads, BodyForce, WheelsetTorque
+
+    torques, forces = list[WheelsetTorque](), list[BodyForce]()
+    for number, part in enumerate(scene.torque or ()):
+        table, brake = part.table(part.torque), part.kind == "brake"
+        names = part.wheelsets or vehicle.wheelsets
+        own = tuple(WheelsetTorque(name, table, part.reaction, brake) for name in names)
+        _check(f"torque[{number}]", AppliedLoads(torques=own), vehicle)
+        torques.extend(own)
+    for number, load in enumerate(scene.force or ()):
+        values = {key: load.table(getattr(load, key)) for key in ("longitudinal", "lateral", "vertical")}
+        force = BodyForce(load.body, load.point, **values)
+        _check(f"force[{number}]", AppliedLoads(forces=(force,)), vehicle)
+        forces.append(force)
+    return AppliedLoads(tuple(torques), tuple(forces))
+
+
+def _check(key: str, loads: AppliedLoads, vehicle: Vehicle) -> None:
+    """Raises SceneError for torques and forces, of one table of a scene, that do not fit a vehicle."""
+    from wheelrail.vehicle.multibody.applied_forces import AppliedForces
+    from wheelrail.vehicle.multibody.coordinates import Coordinates
+    from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
+
+    try:
+        AppliedForces(Coordinates(vehicle), loads)
+    except InvalidVehicle as error:
+        _, number, name = error.key.split(".")
+        part = (*loads.torques, *loads.forces)[int(number)]
+        value = getattr(part, name)
+        given = "" if value is None else f' = "{value}"'
+        raise SceneError(f"{key}.{'wheelsets' if name == 'wheelset' else name}{given}: {error.allowed}") from None
 
 
 def vehicle_on(scene: RunScene, file: Path) -> Vehicle:

@@ -9,7 +9,7 @@ import numpy as np
 
 from wheelrail.contact.stress.shakedown import load_factor, surface_fatigue_index, utilisation
 from wheelrail.scenes.datasets.patches import means
-from wheelrail.vehicle.simulation.energy_balance import POWERS, energy_balance
+from wheelrail.vehicle.simulation.energy_balance import APPLIED, energy_balance
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset, Variable
@@ -36,7 +36,9 @@ def with_energy(data: Dataset, history: History) -> Dataset:
         ),
         work=(by_cause, balance.work, {"units": "J", "long_name": "work by the same cause since the first sample"}),
     )
-    return added.assign_coords(cause=list(POWERS)).assign_attrs(energy_balance_error=balance.error)
+    return added.assign_coords(cause=list(APPLIED[: balance.power.shape[1]])).assign_attrs(
+        energy_balance_error=balance.error
+    )
 
 
 def wear(data: Dataset, shear_yield: float) -> dict[str, Variable]:

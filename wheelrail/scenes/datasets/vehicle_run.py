@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 BY_WHEEL = ("time", "wheelset", "side")
 BY_ELEMENT = ("time", "element", "axis")
 COORDINATE_TEXTS = {
-    "x": "displacement forward of the place in the reference motion",
+    "x": "displacement forward of the place in the reference motion, with distance and speed",
     "y": "lateral displacement from the centre line of the track, positive to the left",
     "z": "height above the nominal position",
     "roll": "roll about the track direction",
@@ -56,6 +56,7 @@ def vehicle_dataset(history: History, *, scene: str, vehicle: str, shear_yield: 
         **patch_variables(wheels, BY_WHEEL, (len(history), len(names), len(SIDES))),
         "in_contact": (BY_WHEEL, statuses == "converged", means("1", "whether wheel and rail are in contact")),
         **_suspension(history),
+        **_applied(history),
         **cost_variables(history.cost),
     }
     coordinates = run_coordinates(history) | {
@@ -100,7 +101,7 @@ def guiding_variables(data: Dataset) -> dict[str, Variable]:
 def _motion(history: History) -> dict[str, Any]:
     """Coordinates of the bodies and their rates."""
     variables: dict[str, Any] = {}
-    position, rate, series = history.dynamics.coordinates.split(history.state)
+    position, rate, series = history.motion
     for index, name in enumerate(COORDINATES):
         units, text = ("m" if name in "xyz" else "rad"), COORDINATE_TEXTS[name]
         by_body = ("time", "body")
@@ -121,3 +122,18 @@ def _suspension(history: History) -> dict[str, Any]:
         "element_deflection": (BY_ELEMENT, deflections, means("m", deflection)),
         "element_force": (BY_ELEMENT, forces, means("N", force)),
     }
+
+
+def _applied(history: History) -> dict[str, Any]:
+    """Torques and forces on the vehicle, where there are any."""
+    loads, variables = history.dynamics.loads, dict[str, Any]()
+    if not loads:
+        return variables
+    torque, force = history.applied()
+    if loads.torques:
+        text = "torque of motors and brakes on the wheelset about its axle, positive forwards"
+        variables["applied_torque"] = (("time", "wheelset"), torque, means("N m", text))
+    if loads.forces:
+        text = "sum of the applied forces on the body, along the axes of the track section there"
+        variables["applied_force"] = (("time", "body", "axis"), force, means("N", text))
+    return variables

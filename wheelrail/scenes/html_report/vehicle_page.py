@@ -14,7 +14,7 @@ from wheelrail.scenes.html_report.extremes import wheel_table
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import pictures
 from wheelrail.scenes.html_report.run_page import SIGNS, key_tables, page_of_run
-from wheelrail.scenes.plots.vehicle_runs import PICTURES
+from wheelrail.scenes.plots.vehicle_runs import pictures_of
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -27,6 +27,7 @@ CAPTIONS = {
     "track_shifting_force": "Sum of Y of every wheelset, positive to the right [kN]",
     "t_gamma": "T-gamma of every wheel: frictional energy per metre of track [N]",
     "wheelset_motion": "Lateral displacement and yaw of the wheelsets [mm, mrad]",
+    "traction": "Over time: speed of vehicle and rims [m/s], longitudinal forces of the wheelsets [kN], torques [kN m]",
     "body_motion": "Lateral displacement and yaw of the other bodies [mm, mrad]",
 }
 
@@ -87,5 +88,5 @@ def _figures(data: Dataset) -> Iterator[PagePicture | None]:
     if data.sizes["time"] < 2:
         return
     extent = "over {:.0f} to {:.0f} m along the track".format(*data["distance"].values[[0, -1]])
-    for name, caption in CAPTIONS.items():
-        yield picture(partial(PICTURES[name], data), caption, f"{caption}, {extent}")
+    for name, draw in pictures_of(data).items():
+        yield picture(partial(draw, data), CAPTIONS[name], f"{CAPTIONS[name]}, {extent}")

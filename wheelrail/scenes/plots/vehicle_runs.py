@@ -142,6 +142,40 @@ PICTURES: dict[str, Callable[..., Figure]] = {
 }
 
 
+def pictures_of(data: Dataset) -> dict[str, Callable[..., Figure]]:
+    """Functions that draw a run, by name: with speed and creep forces where the speed changes or loads are applied."""
+    changes = float(np.ptp(data["speed"].values)) > 0.0
+    if changes or "applied_torque" in data or "applied_force" in data:
+        return {**PICTURES, "traction": traction}
+    return PICTURES
+
+
+def traction(data: Dataset, figure: Figure | None = None) -> Figure:
+    """Over time: speed of the vehicle and of the rims of its wheels, creep forces, and torques of the wheelsets."""
+    from matplotlib.figure import Figure
+
+    figure, torque = Figure() if figure is None else figure, "applied_torque" in data
+    figure.set_size_inches(7.2, 7.3 if torque else 5.2)
+    figure.set_layout_engine("constrained")
+    axes = list(figure.subplots(3 if torque else 2, 1, sharex=True))
+    excess = data["body_pitch_rate"].sel(body=data["wheelset"].values).rename(body="wheelset")
+    rim = data["speed"] + float(data.attrs["nominal_radius"]) * excess
+    _lines(axes[0], data, rim, "wheelset", over="time")
+    axes[0].plot(data["time"], data["speed"], color="0.15", linewidth=1.0, linestyle=":", label="vehicle")
+    axes[0].set_title("Speed of the vehicle, and of the rims of its wheels")
+    axes[0].set_ylabel("speed [m/s]")
+    axes[0].legend(loc="best", ncols=2)
+    _lines(axes[1], data, 1e-3 * data["longitudinal_force"].sum("side", skipna=False), "wheelset", over="time")
+    axes[1].set_title("Longitudinal force of the rails on every wheelset")
+    axes[1].set_ylabel("force, forwards [kN]")
+    if torque:
+        _lines(axes[2], data, 1e-3 * data["applied_torque"], "wheelset", over="time")
+        axes[2].set_title("Torque of motors and brakes on every wheelset")
+        axes[2].set_ylabel("torque, forwards [kN m]")
+    axes[-1].set_xlabel("time [s]")
+    return figure
+
+
 def _motion(data: Dataset, title: str, figure: Figure | None) -> Figure:
     figure, (top, bottom) = along_track(data, 2, figure=figure)
     _lines(top, data, 1e3 * data["body_y"], "body")
@@ -153,11 +187,11 @@ def _motion(data: Dataset, title: str, figure: Figure | None) -> Figure:
     return figure
 
 
-def _lines(ax: Axes, data: Dataset, values: DataArray, dimension: str) -> None:
-    """One line for each name of a dimension."""
+def _lines(ax: Axes, data: Dataset, values: DataArray, dimension: str, over: str = "distance") -> None:
+    """One line for each name of a dimension, over distance or time."""
     for name, style in zip(values[dimension].values, cycle(SERIES), strict=False):
         line: dict[str, Any] = {key: style[key] for key in ("color", "linestyle")}
-        ax.plot(data["distance"], values.sel({dimension: name}), label=str(name), **line)
+        ax.plot(data[over], values.sel({dimension: name}), label=str(name), **line)
     ax.legend(loc="best", ncols=2)
 
 

@@ -48,7 +48,8 @@ def inputs(scene: RunScene, vehicle: Path | None = None) -> dict[str, Any]:
 
     data: dict[str, Any] = plain(used_keys(scene))
     if vehicle is not None:
-        data["vehicle"] = {"speed": data["vehicle"]["speed"], "file": plain(str(vehicle))}
+        speed = {key: data["vehicle"][key] for key in ("speed", "free_speed")}
+        data["vehicle"] = {**speed, "file": plain(str(vehicle))}
     return data
 
 

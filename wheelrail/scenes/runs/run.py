@@ -46,10 +46,18 @@ class RunOutcome:
     def status(self) -> str:
         return self.history.status
 
+    @property
+    def _halt(self) -> str:
+        """Whether a vehicle that runs free has come to a halt, in words."""
+        from wheelrail.vehicle.simulation.limits import SLOWEST
+
+        halted = len(self.history) and self.history.dynamics.runs_free and self.history.speeds[-1] < SLOWEST
+        return ", where the vehicle has come to a halt" if halted else ""
+
     def summary(self) -> list[RenderableType]:
         """Solver statistics by side, status and files."""
         reached = f" at {self.history.distance[-1]:.1f} m" if len(self.history) else " before the first step"
-        lines = [f"{self.status}{reached}", *(f"  {file}" for file in self.files)]
+        lines = [f"{self.status}{reached}{self._halt}", *(f"  {file}" for file in self.files)]
         if self.resumable:
             lines.append("  --resume continues the run from its last checkpoint")
         return [costs(self.history), "\n".join(lines)]
@@ -127,8 +135,8 @@ def _simulated(
     """
     from wheelrail.scenes.runs.vehicle_run import simulate_on_track, vehicle_for_run
 
-    if file is None and scene.kick:
-        raise SceneError("kick: allowed only with a vehicle file (--vehicle)")
+    if file is None and scene.keys_of_vehicle_files:
+        raise SceneError(f"{', '.join(scene.keys_of_vehicle_files)}: allowed only with a vehicle file (--vehicle)")
     vehicle = None if file is None else vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
         contact, structure = run_contact(scene)
@@ -172,7 +180,7 @@ def write_results(history: History, text: str, folder: Path, scene: RunScene, ve
     if scene.output.figures:
         from wheelrail.scenes.plots import runs, vehicle_runs
 
-        pictures = runs.PICTURES if vehicle is None else vehicle_runs.PICTURES
+        pictures = runs.PICTURES if vehicle is None else vehicle_runs.pictures_of(data)
         try:
             yield from runs.draw_figures(data, folder, pictures)
         except KeyboardInterrupt:  # the results are already written

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.builders.vehicle import track_before, vehicle_on
+from wheelrail.scenes.builders.vehicle import applied_loads, track_before, vehicle_on
 from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
@@ -29,7 +30,8 @@ def vehicle_for_run(scene: RunScene, file: Path) -> Vehicle:
     for body in scene.kick or {}:
         if body not in vehicle.names:
             raise SceneError(f"kick.{body}: must be one of {', '.join(vehicle.names)}, the bodies of {file}")
-    return vehicle
+    applied_loads(scene, vehicle)  # validates them
+    return replace(vehicle, speed_hold=None) if scene.vehicle.free_speed else vehicle
 
 
 def simulate_on_track(
@@ -41,25 +43,31 @@ def simulate_on_track(
         scene: of the run.
         vehicle: from `vehicle_for_run`.
         contact: of its wheels.
-        end: s.
+        end: s, at which the reference motion reaches the end of the track.
         recording: rows and checkpoints.
         progress: called at each accepted step.
 
-    Raises RunFailed when a kicked vehicle has no equilibrium to start from, and SceneError as `track_before`.
+    A vehicle that runs free does so until it reaches the end of the track itself, or stops. Raises RunFailed when a
+    kicked vehicle has no equilibrium to start from, and SceneError as `track_before`.
     """
     from wheelrail.vehicle.integration.integrate import StepSettings
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
     from wheelrail.vehicle.simulation.limit_cycle import kicked
+    from wheelrail.vehicle.simulation.limits import SLOWEST
     from wheelrail.vehicle.simulation.simulate import simulate
-    from wheelrail.vehicle.steady.equilibrium import equilibrium
+    from wheelrail.vehicle.steady.start_state import start_state
 
-    rails, initial = track_before(scene, vehicle), None
-    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile)
+    rails, initial, until = track_before(scene, vehicle), None, inf
+    loads = applied_loads(scene, vehicle)
+    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile, loads=loads)
+    if dynamics.runs_free:
+        until = scene.track.length
+        end = until / SLOWEST
     resumed = recording.checkpoints is not None and recording.checkpoints.latest is not None
     if scene.kick and not resumed:
         with failures_as_run_failed():
             at_start = replace(dynamics, speed=scene.vehicle.first_speed)
-            initial = kicked(dynamics.coordinates, equilibrium(at_start).state, scene.kick)
+            initial = kicked(dynamics.coordinates, start_state(at_start), scene.kick)
     return simulate(
         dynamics,
         (0.0, end),
@@ -67,6 +75,7 @@ def simulate_on_track(
         steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
         recording=recording,
         progress=progress,
+        until=until,
     )
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.scenes.builders.vehicle import vehicle_on
+from wheelrail.scenes.builders.vehicle import applied_loads, vehicle_on
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.runs.steady import curve_of, failures_as_run_failed
@@ -30,7 +30,8 @@ TABLE_DIGITS = 4
 
 
 def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynamics:
-    """Equations of motion of the vehicle of a file, with contact, profiles and rails of a scene, on straight track.
+    """Equations of motion of the vehicle of a file on straight track, with contact, profiles and rails of a scene, and
+    its torques and forces of time zero.
 
     Parameters:
         scene: of a run; its wagon is not used.
@@ -42,7 +43,9 @@ def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynami
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
     from wheelrail.vehicle.track.track import Track
 
-    return VehicleDynamics(vehicle_on(scene, file), Track(), wheelset_contact(scene), speed)
+    vehicle = vehicle_on(scene, file)
+    loads = applied_loads(scene, vehicle)
+    return VehicleDynamics(vehicle, Track(), wheelset_contact(scene), speed, loads=loads).with_constant_loads(0.0)
 
 
 def vehicle_modes_of(scene: RunScene, file: Path, speeds: Sequence[float]) -> list[list[Mode]]:

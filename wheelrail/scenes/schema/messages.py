@@ -49,6 +49,9 @@ def validation_error(
             key, text = location, f"must be {allowed(model, location)}"
         name = _dotted(key[1:] if key[0] in unnamed else key)
         lines.setdefault(name, f"{name}{_value(key, data)}: {text}")
+    # Of an entry with several types, the message about what is inside it is the exact one.
+    outer = [name for name in lines if any(other.startswith((f"{name}.", f"{name}[")) for other in lines)]
+    lines = {name: line for name, line in lines.items() if name not in outer}
     more = [f"{len(items) - MOST_ERRORS} more errors"] if len(items) > MOST_ERRORS else []
     return SceneError("\n".join(f"{path}: {line}" for line in (*lines.values(), *more)))
 

@@ -1,14 +1,46 @@
-"""Dataclass values replaced by those of a table."""
+"""Values of a wagon replaced by those of a table, with their units and plausible ranges."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from math import inf
 from typing import Any, get_args, get_type_hints
 
-from wheelrail.scenes.schema.quantities import reject
-from wheelrail.scenes.schema.wagon_ranges import REACH, WAGON
+from wheelrail.scenes.schema.quantities import Range, reject
+
+HEIGHT = Range(0.05, 5.0, "m above top of rail")
+STIFFNESS = Range(1e3, 1e10, "N/m, or points [m, N]")
+DAMPING = Range(0.0, 1e9, "N s/m, or points [m/s, N]")
+INERTIA = Range(1.0, 1e9, "kg m2")
+PLACE = Range(0.0, 5.0, "m")
+SERIES = Range(1e3, inf, "N/m, in series with the damper; inf is none")
+
+WAGON = {
+    "mass": Range(50.0, 1e6, "kg"),
+    "roll_inertia": INERTIA,
+    "pitch_inertia": INERTIA,
+    "yaw_inertia": INERTIA,
+    "height": HEIGHT,
+    "lateral_stiffness": STIFFNESS,
+    "vertical_stiffness": STIFFNESS,
+    "lateral_damping": DAMPING,
+    "vertical_damping": DAMPING,
+    "bending_stiffness": Range(0.0, 1e9, "N m/rad"),
+    "spring_y": PLACE,
+    "spring_height": HEIGHT,
+    "damper_y": PLACE,
+    "damper_height": HEIGHT,
+    "turn": Range(0.0, 1.0, "fraction of the upper body's roll that rotates the axes of springs and dampers"),
+    "lateral_series_stiffness": SERIES,
+    "vertical_series_stiffness": SERIES,
+    "roll_bar": Range(0.0, 1e10, "N m/rad, per bogie"),
+    "bumpstop": Range(0.0, inf, "[m, N], the same in both directions"),
+    "bumpstop_height": HEIGHT,
+    "gravity": Range(0.0, 30.0, "m/s2"),
+}
+REACH = {False: 1.0, True: 100.0}  # largest abscissa of a force law: m of a spring or stop, m/s of a damper
 
 
 def overridden(part: Any, values: Mapping[str, Any], prefix: str = "", also: tuple[str, ...] = ()) -> Any:

@@ -19,6 +19,7 @@ from pydantic import (
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.laws import FrictionKey, FrictionTable, NormalTable
+from wheelrail.scenes.schema.loads import BodyForceTable, TorqueTable
 from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.profiles import SIDES, ProfilesTable, Side, SideTable
 from wheelrail.scenes.schema.tables import (
@@ -376,6 +377,7 @@ class RunScene(OnRails):
     """A vehicle run along a track.
 
     kick: lateral velocities at the start by body, m/s to the left, of a vehicle file.
+    torque, force: of motors and brakes on wheelsets, and on bodies, of a vehicle file.
     """
 
     kind: Literal["run"]
@@ -385,6 +387,8 @@ class RunScene(OnRails):
     solver: SolverTable = SolverTable()
     output: OutputTable = OutputTable()
     kick: dict[str, q.KickVelocity] | None = None
+    torque: Annotated[tuple[TorqueTable, ...], Strict(False), q.AtMost(1000)] | None = None
+    force: Annotated[tuple[BodyForceTable, ...], Strict(False), q.AtMost(1000)] | None = None
 
     @model_validator(mode="after")
     def _samples(self) -> RunScene:
@@ -399,6 +403,13 @@ class RunScene(OnRails):
                     f"must be 0, or at least {shortest:.2g} s, for at most {MOST_SAMPLES} samples", "output.interval"
                 )
         return self
+
+    @property
+    def keys_of_vehicle_files(self) -> list[str]:
+        """Keys that are used, and allowed only with a vehicle file."""
+        free = self.vehicle.free_speed or None
+        used = {"kick": self.kick, "torque": self.torque, "force": self.force, "vehicle.free_speed": free}
+        return [key for key, value in used.items() if value]
 
     @model_validator(mode="after")
     def _flexible(self) -> RunScene:

@@ -215,6 +215,8 @@ class WheelsetTable(AxleTable):
 class VehicleTable(SceneTable):
     """Speed of the wagon, m/s, or pairs of time, s, and speed; and the wagon file, by default the Manchester wagon.
 
+    free_speed: nothing holds the speed after the start; torques, forces and slopes change it. With a vehicle file.
+
     Any other key replaces the value of that name in the wagon.
     """
 
@@ -222,6 +224,7 @@ class VehicleTable(SceneTable):
 
     speed: q.RunSpeed | Annotated[tuple[q.TimeAndSpeed, ...], Strict(False), Field(min_length=1)]
     wagon: str | None = None
+    free_speed: bool = False
 
     @field_validator("wagon")
     @classmethod
@@ -244,6 +247,12 @@ class VehicleTable(SceneTable):
         if isinstance(value, tuple) and any(later <= time for (time, _), (later, _) in pairwise(value)):
             raise q.reject("times must increase strictly")
         return q.AtMost(10_000).check(value)
+
+    @model_validator(mode="after")
+    def _speed_at_the_start(self) -> VehicleTable:
+        if self.free_speed and isinstance(self.speed, tuple):
+            raise q.reject("must be a number with free_speed: the speed at the start", "speed")
+        return self
 
     @property
     def speed_profile(self) -> float | SpeedProfile:
@@ -278,7 +287,7 @@ class VehicleTable(SceneTable):
 
         base = Wagon() if radius is None else _on_wheels(radius)
         wagon = base if self.wagon is None else load_wagon(self.wagon, base)
-        changed: Wagon = overridden(wagon, self.model_extra or {}, also=("speed", "wagon"))
+        changed: Wagon = overridden(wagon, self.model_extra or {}, also=("speed", "wagon", "free_speed"))
         return changed
 
 

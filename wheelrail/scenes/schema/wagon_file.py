@@ -11,9 +11,8 @@ from pydantic_core import PydanticCustomError
 
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.messages import entry_message
-from wheelrail.scenes.schema.override import overridden
+from wheelrail.scenes.schema.override import WAGON, overridden
 from wheelrail.scenes.schema.toml import parse, read_text
-from wheelrail.scenes.schema.wagon_ranges import WAGON
 
 if TYPE_CHECKING:
     from wheelrail.vehicle.wagon.wagon import Wagon

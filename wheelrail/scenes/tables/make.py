@@ -169,7 +169,9 @@ def solves_file(out: Path) -> Path:
 
 def _content(order: TableOrder) -> dict[str, Any]:
     """Keys of the scene that forces depend on, text of its files, and ranges."""
-    scene = order.scene.model_dump(mode="json", exclude={"vehicle", "solver", "output", "kick", "stress", "sides"})
+    scene = order.scene.model_dump(
+        mode="json", exclude={"vehicle", "solver", "output", "kick", "torque", "force", "stress", "sides"}
+    )
     names = {str(value) for table in _tables(scene["profiles"]) for value in table.values()}
     files = {name: Path(name).read_text(errors="replace") for name in names if Path(name).is_absolute()}
     return {"model": scene, "files": files, "ranges": asdict(order.ranges)}
