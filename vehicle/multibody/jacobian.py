@@ -206,14 +206,12 @@ class VehicleJacobian:
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
         """Tangents (w, 2, 6, 9 + k) of the contact model; None if it has none. Raises StepFailure when one fails."""
         try:
-            for name, state in states.items():
-                self.dynamics.contact.ahead_tangent(state, contacts[name][SIDES[-1]])
-            tangents = [self.dynamics.element.side_tangents(state, contacts[name]) for name, state in states.items()]
+            tangents = self.dynamics.element.tangents(list(states.values()), [contacts[name] for name in states])
         except ValueError:  # some models and results have no tangent
             return None
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
             raise StepFailure(f"tangent of a contact: {type(error).__name__}: {error}") from error
-        return np.array(tangents) if np.isfinite(tangents).all() else None
+        return tangents if np.isfinite(tangents).all() else None
 
     def _differences(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
         """Tangents (w, 2, 6, 9) by differences, those of an earlier call as long as they may be reused."""
