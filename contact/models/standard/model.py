@@ -181,9 +181,13 @@ class StandardContact:
         cells = strip_forces(strips, zones.weight, middles, peaks, velocities, self.elasticity, friction, self.cells)
         return StripContacts(zones, strips, cells, point, axes, pose, motion, self.surfaces), approach
 
+    @cached_property
+    def _extent(self) -> tuple[float, float]:
+        return self.surfaces.extent
+
     def _failure(self, along: float, across: float, speed: float) -> str:
         """Why a result with these largest semi-axes m and smallest rolling speed m/s is none; empty if it is one."""
-        for axis, largest in zip((along, across), self.surfaces.extent, strict=True):
+        for axis, largest in zip((along, across), self._extent, strict=True):
             if not axis < largest:
                 return CONFORMAL.format(1e3 * axis, 1e3 * largest)
         if self.method != NO_FRICTION and not speed > 0.0:
