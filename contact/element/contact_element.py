@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Generic, TypeVar
@@ -40,7 +40,7 @@ class ContactElement(Generic[S, K]):
         contact: model of all sides.
         sides: their names.
 
-    `solve_sides` and `side_tangents` are functions of their arguments alone. `solve_state` starts from the last
+    `solve_states` and `tangents` are functions of their arguments alone. `solve_state` starts from the last
     accepted results; trial states that are not accepted have no influence on later ones.
     """
 
@@ -49,41 +49,61 @@ class ContactElement(Generic[S, K]):
         self._accepted: Mapping[K, ContactResult] = {}
         self._latest: ElementSolution[S, K] | None = None
 
-    def solve_sides(self, state: S, start: Mapping[K, ContactResult] | None) -> Iterator[tuple[K, ContactResult]]:
-        """Result of one side after the other.
+    def solve_states(
+        self, states: Sequence[S], starts: Sequence[Mapping[K, ContactResult] | None]
+    ) -> Iterator[tuple[int, K, ContactResult]]:
+        """Index of the state, side and result, of all sides at several states.
 
         Parameters:
-            state: position and velocity.
-            start: results of all sides as initial guess.
+            states: positions and velocities.
+            starts: results of all sides as initial guess, for each state.
 
         A breakdown of the solver and a force that is not finite are failed results.
         """
-        start = start or {}
-        self.contact.ahead(state, start.get(self.sides[-1]))
-        for side in self.sides:
-            check_interrupt()
-            yield side, self._solve_side(state, side, start.get(side))
+        guesses = {side: [start.get(side) if start else None for start in starts] for side in self.sides}
+        if self.contact.together:
+            for side in self.sides:
+                results = self._solve_side(states, side, guesses[side])
+                yield from ((i, side, result) for i, result in enumerate(results))
+            return
+        for state, guess in zip(states, guesses[self.sides[-1]], strict=True):
+            self.contact.ahead(state, guess)
+        for i, state in enumerate(states):
+            for side in self.sides:
+                yield i, side, self._solve_side([state], side, [guesses[side][i]])[0]
 
-    def _solve_side(self, state: S, side: K, guess: ContactResult | None) -> ContactResult:
+    def solve_sides(self, state: S, start: Mapping[K, ContactResult] | None) -> Iterator[tuple[K, ContactResult]]:
+        """Side and result at one state, see `solve_states`."""
+        return ((side, result) for _, side, result in self.solve_states([state], [start]))
+
+    def _solve_side(
+        self, states: Sequence[S], side: K, guesses: Sequence[ContactResult | None]
+    ) -> Sequence[ContactResult]:
+        check_interrupt()
         try:
-            result = self.contact(state, side, guess)
+            return [_finite(result) for result in self.contact.solve_side(states, side, guesses)]
         except BREAKDOWN as error:
-            return ContactResult.failed(f"{type(error).__name__}: {error}")
-        if result.ok and not all(map(isfinite, (*result.force.tolist(), *result.moment.tolist()))):
-            return ContactResult.failed("force or moment is not finite", result.approach)
-        return result
+            return [ContactResult.failed(f"{type(error).__name__}: {error}")] * len(states)
 
-    def side_tangents(self, state: S, results: Mapping[K, ContactResult]) -> Array:
-        """Derivatives (sides, 6, n) of force N and moment N m by the state's coordinates.
+    def tangents(self, states: Sequence[S], results: Sequence[Mapping[K, ContactResult]]) -> Array:
+        """Derivatives (m, sides, 6, n) of force N and moment N m by the coordinates of m states.
 
         Parameters:
-            state: position and velocity.
-            results: of this state.
+            states: positions and velocities.
+            results: of these states.
 
         Raises ValueError for a model or a result without tangent.
         """
-        self.contact.ahead_tangent(state, results[self.sides[-1]])
-        return np.array([self.contact.tangent(state, side, results[side]) for side in self.sides])
+        if self.contact.together:
+            by_side = [self.contact.side_tangents(states, side, [own[side] for own in results]) for side in self.sides]
+            return np.stack(by_side, axis=1)
+        for state, own in zip(states, results, strict=True):
+            self.contact.ahead_tangent(state, own[self.sides[-1]])
+        by_state = [
+            [self.contact.side_tangents([state], side, [own[side]])[0] for side in self.sides]
+            for state, own in zip(states, results, strict=True)
+        ]
+        return np.array(by_state)
 
     def solve_state(self, state: S) -> ElementSolution[S, K]:
         """Solution of a trial state, from the last accepted results."""
@@ -101,7 +121,7 @@ class ContactElement(Generic[S, K]):
         Raises ValueError when it failed, or there is none, and for a model without tangent.
         """
         solution = self._solved("tangent")
-        values = self.side_tangents(solution.state, solution.results)
+        (values,) = self.tangents([solution.state], [solution.results])
         return ElementTangent(values, self.sides, solution.state.coordinates)
 
     def patches(self) -> dict[K, tuple[Patch, ...]]:
@@ -143,6 +163,13 @@ class ContactElement(Generic[S, K]):
         if not self._latest.ok:
             raise ValueError(f"{purpose}: the last solve {self._latest.status}")
         return self._latest
+
+
+def _finite(result: ContactResult) -> ContactResult:
+    """The result, a failed one for a force that is not finite."""
+    if result.ok and not all(map(isfinite, (*result.force.tolist(), *result.moment.tolist()))):
+        return ContactResult.failed("force or moment is not finite", result.approach)
+    return result
 
 
 def _initial_guess(result: ContactResult) -> ContactResult:

@@ -13,9 +13,9 @@ import numpy as np
 from scipy.special import roots_legendre
 
 from wheelrail.contact.geometry.quadric_pair import curvature
-from wheelrail.contact.geometry.rigid_search import Lines, deepest, level_crossing, local_maxima, scan
+from wheelrail.contact.geometry.rigid_search import Lines, deepest, level_crossing, local_maxima, lowest, scan
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.meshes.curves.closest_point import Shape, local, piece
+from wheelrail.meshes.curves.closest_point import Shape, local, next_piece, piece
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
@@ -168,11 +168,12 @@ def wheel_regions(
                     )
                 edges[halves] = edge
                 halves += 1
-                x, near = top[j, 2], sample[before[j]]
+                x, near, at = top[j, 2], sample[before[j]], piece(wheel, middle)
                 for q in range(m):
                     s = middle + (edge - middle) * POSITIONS[q]
-                    d, _, x, near = deepest(wheel, rail, radius, origin, rotation, s, x, near)
-                    z, t, _ = local(wheel, s, piece(wheel, s))
+                    at = next_piece(wheel, s, at)
+                    z, t, _ = local(wheel, s, at)
+                    d, _, x, near = lowest(rail, radius, origin, rotation, z, t, x, near)
                     contact[n], strips[n, 0], strips[n, 1] = count, s, x
                     strips[n, 2], strips[n, 3] = (
                         abs(edge - middle) * WIDTHS[q],

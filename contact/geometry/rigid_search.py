@@ -14,7 +14,7 @@ import numpy as np
 from wheelrail.meshes.curves.closest_point import Shape, foot_from, local, nearer_sample, nearest_sample, piece
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Complex, Nodes
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import unchecked
 
 MAXIMA = 8  # at most, more than a wheel and a rail can have
 NEAR = -1e-4  # m: sampled maxima lower than that are not refined
@@ -24,7 +24,7 @@ ITERATIONS = 12  # for the lowest point of a yawed wheel
 LOWEST = 1e-7  # m, last change of its x: the next one is a thousand times smaller, the penetration exact to 1e-14 m
 
 
-@compiled
+@unchecked
 def deepest(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, sample: int
 ) -> tuple[float, float, float, int]:
@@ -39,7 +39,15 @@ def deepest(
         sample: initial guess of the nearest sample, negative without.
     """
     z, t, _ = local(wheel, s, piece(wheel, s))
-    r, j, at, depth, slope, lowest = z.imag + radius, -1, 0.0, NONE, 0.0, x
+    return lowest(rail, radius, origin, rotation, z, t, x, sample)
+
+
+@unchecked
+def lowest(
+    rail: Shape, radius: float, origin: Array, rotation: Array, z: complex, t: complex, x: float, sample: int
+) -> tuple[float, float, float, int]:
+    """As `deepest`, of the line of a point z m with the tangent t on the wheel's profile."""
+    r, j, at, depth, slope, bottom = z.imag + radius, -1, 0.0, NONE, 0.0, x
     sine, cosine = np.sin(x / radius), np.cos(x / radius)
     for _ in range(1 + ITERATIONS):
         y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
@@ -61,16 +69,16 @@ def deepest(
         if upward == 0.0:
             break
         before, x = x, -radius * np.arctan(forward / upward)
-        lowest = x
+        bottom = x
         if abs(x - before) < LOWEST:
             slope += (x - before) * slope_by_x(rotation, r, t, (sine, cosine), along, change, height) / radius
             break
         size = np.copysign(np.sqrt(forward * forward + upward * upward), upward)
         sine, cosine = -forward / size, upward / size
-    return depth, slope, lowest, sample
+    return depth, slope, bottom, sample
 
 
-@compiled
+@unchecked
 def slope_by_x(
     rotation: Array, r: float, t: complex, turn: tuple[float, float], along: complex, change: complex, height: float
 ) -> float:
@@ -98,7 +106,7 @@ def slope_by_x(
     return float(lifted - curvature / (1.0 + curvature * height) * by_s * by_x)
 
 
-@compiled
+@unchecked
 def stationary_point(
     wheel: Shape,
     rail: Shape,
@@ -142,7 +150,7 @@ def stationary_point(
     return s, depth, x
 
 
-@compiled
+@unchecked
 def level_crossing(
     wheel: Shape,
     rail: Shape,
@@ -215,7 +223,7 @@ class Scan(NamedTuple):
     sample: Nodes
 
 
-@compiled
+@unchecked
 def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Array) -> Scan:
     """Penetration at all lines, to about 1e-9 m, from the rail's samples and its curvature there.
 
@@ -264,7 +272,7 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
     return Scan(depth, slope, where, nearest)
 
 
-@compiled
+@unchecked
 def local_maxima(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Array, samples: Scan
 ) -> tuple[Array, Array, Nodes, float]:

@@ -6,13 +6,13 @@ import numpy as np
 
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, next_piece, piece
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import unchecked
 
 Place = tuple[float, float, float]
 NEXT = 1e-3  # m: points closer than that have neighbouring closest points
 
 
-@compiled
+@unchecked
 def on_circle(
     z: complex, t: complex, radius: float, origin: Array, rotation: Array, x: float
 ) -> tuple[Place, Place, Place]:
@@ -39,7 +39,7 @@ def on_circle(
     )
 
 
-@compiled
+@unchecked
 def write_frame(point: Place, forward: Place, normal: Place, points: Array, axes: Array, i: int) -> None:
     """Write a point and its axes, longitudinal, lateral and outward, into row i of (n, 3) m and (n, 3, 3)."""
     for c in range(3):
@@ -49,7 +49,7 @@ def write_frame(point: Place, forward: Place, normal: Place, points: Array, axes
     axes[i, 1, 2] = forward[0] * normal[1] - forward[1] * normal[0]
 
 
-@compiled
+@unchecked
 def wheel_place(
     wheel: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, points: Array, axes: Array, i: int
 ) -> None:
@@ -67,7 +67,7 @@ def wheel_place(
     write_frame(*on_circle(z, t, radius, origin, rotation, x), points, axes, i)
 
 
-@compiled
+@unchecked
 def wheel_points(
     wheel: Shape, radius: float, origin: Array, rotation: Array, s: Array, x: Array
 ) -> tuple[Array, Array]:
@@ -85,7 +85,7 @@ def wheel_points(
     return points, axes
 
 
-@compiled
+@unchecked
 def profile_places(wheel: Shape, rail: Shape, s: Array, points: Array) -> tuple[Array, Array]:
     """Arc lengths and lateral positions (n, 2) m of points on the profiles of wheel and rail.
 

@@ -9,10 +9,12 @@ from typing import ClassVar
 import numpy as np
 
 from wheelrail.contact.kinematics.copies import changed
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.kinematics.left_pair import left_pairs
 from wheelrail.support.arrays import Array
 
 RailShift = tuple[tuple[float, float], tuple[float, float]]
+NO_SHIFT: RailShift = ((0.0, 0.0), (0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,17 @@ class WheelsetState:
         )
 
     @property
+    def values(self) -> tuple[float, ...]:
+        """The coordinates, the speed, the frame's angular velocity, and the displacements of both rails, (17,)."""
+        (left_y, left_z), (right_y, right_z) = self.rail_shift or NO_SHIFT
+        return (
+            *(self.y, self.z, self.roll, self.yaw),
+            *(self.y_rate, self.z_rate, self.roll_rate, self.yaw_rate, self.pitch_rate),
+            *(self.speed, *self.frame_rate),
+            *(left_y, left_z, right_y, right_z),
+        )
+
+    @property
     def nodes(self) -> Array:
         """Axis (3,) of the roll: the x axis after yaw."""
         return np.array([cos(self.yaw), sin(self.yaw), 0.0])
@@ -101,31 +114,16 @@ class Mounting:
         """Wheelset centre (3,) in the track frame, m."""
         return np.array([0.0, state.y, self.radius + state.z])
 
+    @property
+    def dimensions(self) -> tuple[float, float, float]:
+        """Arguments of compiled functions, m."""
+        return float(self.wheel_y), float(self.rail_y), float(self.radius)
+
     def left_pair(self, state: WheelsetState) -> tuple[Pose, RigidMotion]:
         """Pose and velocities of the left pair, in the left rail's frame (parallel to the track frame), eq. (5)."""
-        # numbers in place of small arrays, which take twice as long
-        shift_y, shift_z = (0.0, 0.0) if state.rail_shift is None else state.rail_shift[0]
-        rail_y, rotation = self.rail_y + shift_y, state.rotation
-        ax, ay, az = rotation[:, 1].tolist()
-        z, out = self.radius + state.z, self.wheel_y
-        roll, pitch = state.roll_rate, state.pitch_rate
-        wheel = Twist(
-            velocity=np.array([0.0, state.y_rate, state.z_rate]),
-            rotation=np.array(
-                [
-                    roll * cos(state.yaw) + pitch * ax,
-                    roll * sin(state.yaw) + pitch * ay,
-                    state.yaw_rate + pitch * az,
-                ]
-            ),
-            reference=np.array([0.0, state.y - rail_y, z - shift_z]),
-        )
-        # The rail is at rest in inertial space: in the moving frame it moves backwards and rotates against the frame.
-        wx, wy, wz = state.frame_rate
-        rail_motion = Twist(
-            velocity=np.array([-state.speed, 0.0, 0.0]),
-            rotation=np.array([-wx, -wy, -wz]),
-            reference=np.array([0.0, -rail_y, -shift_z]),
-        )
-        origin = np.array([out * ax, state.y + out * ay - rail_y, z + out * az - shift_z])
-        return Pose(origin, rotation), RigidMotion(wheel, rail_motion)
+        pairs = left_pairs(np.array([state.values]), self.dimensions, False)
+        return pairs.pose(0), pairs.rigid_motion(0)
+
+
+EVEN = ("z", "z_rate", "pitch_rate")  # unchanged in the mirror y = 0
+STATE_MIRRORED = np.array([1.0 if name in EVEN else -1.0 for name in WheelsetState.coordinates])

@@ -14,11 +14,11 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
-from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.kinematics.wheelset_state import STATE_MIRRORED, WheelsetState
 from wheelrail.contact.loading.flexible_state import FlexibleState
 from wheelrail.contact.loading.load_search import LoadError
 from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, MovedPair
-from wheelrail.contact.models.wheelset import STATE_MIRRORED, WheelsetContact
+from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.contact.structure.hubs import HubCompliance, about_hubs_line

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side, cross
+from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
+from wheelrail.contact.kinematics.left_pair import by_states
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.models.standard.model import StandardContact
+from wheelrail.contact.models.standard.wheel_rail import SolvedWheels, solved_together
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.support.arrays import Array
 
 ContactModel = Callable[[Pose, RigidMotion, ContactResult | None], ContactResult]
@@ -42,11 +44,32 @@ class WheelsetContact(VehicleContact):
         right = None if self.right is None else self.right.changed(change)
         return replace(self, model=change(self.model), right=right)
 
+    @property
+    def together(self) -> bool:
+        return all(self._together(side) is not None for side in SIDES)
+
+    def _together(self, side: Side) -> StandardContact | None:
+        """Model of a side, if it solves all wheels of one side in one call."""
+        model = self.of(side).model
+        return model if isinstance(model, StandardContact) and model.together is not None else None
+
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        if self._together(side) is not None:
+            return self.solve_side([state], side, [guess])[0]
         own, left_state = self.of(side), state if side == "left" else state.mirrored()
         pose, motion = own.mounting.left_pair(left_state)
         result = own.model(pose, motion, guess).about(motion.wheel.reference)
         return result if side == "left" else result.mirrored()
+
+    def solve_side(
+        self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
+    ) -> list[ContactResult]:
+        model = self._together(side)
+        if model is None:
+            return super().solve_side(states, side, guesses)
+        assert model.together is not None
+        values, dimensions = np.array([state.values for state in states]), self.of(side).mounting.dimensions
+        return model.results(SolvedWheels.at_states(model.together, values, dimensions, side == "right"))
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
         """Derivatives (6, 9) of force N and moment N m by `WheelsetState.coordinates`.
@@ -59,34 +82,14 @@ class WheelsetContact(VehicleContact):
         The moment is about the wheelset's centre, which moves with y and z. Zero when separated. Raises ValueError for
         a result without a tangent.
         """
-        slope = pair_slope(self.of(side).mounting, state if side == "left" else state.mirrored())
-        if side == "right":
-            slope = MIRRORED_SLOPE * slope
-        derivative = result.tangent() @ slope
-        x, y, z = result.force
-        derivative[3:, 0] += [-z, 0.0, x]  # the centre moves: F x e_y
-        derivative[3:, 1] += [y, -x, 0.0]  # .. and F x e_z
-        return derivative
+        own, mirror = self.of(side), side == "right"
+        tangent = (result.mirrored() if mirror else result).tangent()[None]
+        wrench, values = np.concatenate([result.force, result.moment])[None], np.array([state.values])
+        return np.asarray(by_states(tangent, wrench, values, own.mounting.dimensions[0], mirror)[0])
 
-
-EVEN = ("z", "z_rate", "pitch_rate")  # unchanged in the mirror y = 0
-STATE_MIRRORED = np.array([1.0 if name in EVEN else -1.0 for name in WheelsetState.coordinates])
-MIRRORED_SLOPE = np.outer(np.tile(MIRRORED, 2), STATE_MIRRORED)
-VERTICAL = np.array([0.0, 0.0, 1.0])
-
-
-def pair_slope(mounting: Mounting, state: WheelsetState) -> Array:
-    """Derivatives (12, 9) of `Mounting.left_pair` by `WheelsetState.coordinates`, rows as in `ContactResult.tangent`.
-
-    The wheelset rotates about its centre, which remains the reference point of the wheel's motion.
-    """
-    axle, nodes = state.rotation[:, 1], state.nodes
-    slope = np.zeros((12, 9))
-    slope[1, 0] = slope[2, 1] = slope[7, 4] = slope[8, 5] = 1.0
-    slope[9:, 8] = axle
-    for column, axis in ((2, nodes), (3, VERTICAL)):  # rotation axes of roll and yaw
-        axle_change = cross(axis, axle)
-        slope[:3, column], slope[3:6, column] = mounting.wheel_y * axle_change, axis
-        slope[9:, column], slope[9:, 4 + column] = state.pitch_rate * axle_change, axis
-    slope[9:, 3] += state.roll_rate * cross(VERTICAL, nodes)
-    return slope
+    def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
+        model, wheels = self._together(side), solved_together(results)
+        if model is None or wheels is None:
+            return super().side_tangents(states, side, results)
+        values, dimensions = np.array([state.values for state in states]), self.of(side).mounting.dimensions
+        return wheels.of.by_states(wheels.indices, values, dimensions)

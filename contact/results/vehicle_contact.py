@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from typing import Protocol, TypeVar
+
+import numpy as np
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
@@ -26,7 +29,8 @@ K = TypeVar("K", contravariant=True)
 class StateContact(Protocol[S, K]):
     """Contact model of the sides of a body: state and side in, result out.
 
-    Subclasses define the call; the other methods have defaults, for models without tangent that solve in this process.
+    Subclasses define the call; the other methods have defaults, for models without tangent that solve one state after
+    the other in this process.
     """
 
     @abstractmethod
@@ -49,6 +53,25 @@ class StateContact(Protocol[S, K]):
         Raises ValueError for a model without tangent.
         """
         raise ValueError("the contact has no tangent")
+
+    @property
+    def together(self) -> bool:
+        """Whether `solve_side` and `side_tangents` compute all states at once; others are solved state by state."""
+        return False
+
+    def solve_side(self, states: Sequence[S], side: K, guesses: Sequence[ContactResult | None]) -> list[ContactResult]:
+        """Results of one side at several states, such as those of all wheelsets of a vehicle.
+
+        Parameters:
+            states: positions and velocities.
+            side: name of the side.
+            guesses: an earlier result for each state, as initial guess.
+        """
+        return [self(state, side, guess) for state, guess in zip(states, guesses, strict=True)]
+
+    def side_tangents(self, states: Sequence[S], side: K, results: Sequence[ContactResult]) -> Array:
+        """Derivatives (m, 6, n) at the results of one side at m states, see `tangent`."""
+        return np.array([self.tangent(state, side, result) for state, result in zip(states, results, strict=True)])
 
     def warm_start(self, side: K, result: ContactResult) -> object:
         """Plain data of a result of a side with which `guess` makes an equivalent guess, also in another process."""

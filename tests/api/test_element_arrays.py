@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from time import process_time
 from typing import Any
@@ -12,8 +12,11 @@ import pytest
 
 import wheelrail as wr
 from wheelrail.api.elements.variables import FORCES, INPUTS, OUTPUTS, PARAMETERS, PATCH
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 
 NUMBER = {variable.name: number for number, variable in enumerate(INPUTS)}
@@ -138,12 +141,21 @@ def test_motions_of_own_bodies_are_no_array() -> None:
             call()
 
 
+@dataclass(frozen=True)
+class Constant(VehicleContact):
+    """The same result everywhere."""
+
+    result: ContactResult
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return self.result
+
+
 def test_the_interface_costs_microseconds() -> None:
     """Beyond `solve_state`: 10 to 14 us measured on a loaded machine."""
     element, outputs = standard().element(), np.zeros(len(OUTPUTS))
     result = ContactResult(np.ones(3), np.ones(3), status="converged")
-    element.contact = lambda *arguments: result  # type: ignore[assignment]
-    element.contact.ahead = lambda *arguments: None  # type: ignore[method-assign]
+    element.contact = Constant(result)
     given, state = inputs(element, **PLACE), element.solve(**PLACE).state
 
     def shortest(call: Any) -> float:

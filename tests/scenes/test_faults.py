@@ -395,7 +395,7 @@ def contact_with_picture(folder: Path, code: str) -> tuple[int, str]:
 @pytest.mark.parametrize(
     "phase",
     [
-        "from wheelrail.contact.models.standard.model import StandardContact as m; m.__call__ = after(m.__call__, 2)",
+        "from wheelrail.contact.models.standard.model import StandardContact as m; m.results = after(m.results, 2)",
         "import wheelrail.scenes.contacts.solve as m; m.solution_dataset = stop",
         "import wheelrail.scenes.contacts.table as m; m.table = stop",
         DRAWN,

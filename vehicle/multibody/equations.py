@@ -281,21 +281,20 @@ class VehicleDynamics:
         return self._solve_contacts(self.wheelset_states(time, state), guess)
 
     def _solve_contacts(self, states: Mapping[str, WheelsetState], guess: WheelContacts | None) -> WheelContacts:
-        for name, wheelset in states.items():  # the sides of one process need not wait for those of the other
-            self.contact.ahead(wheelset, guess[name][SIDES[-1]] if guess else None)
-        return {name: self.solve_wheelset(name, states[name], guess) for name in states}
+        names, contacts = list(states), {name: dict[Side, ContactResult]() for name in states}
+        starts = [guess[name] if guess else None for name in names]
+        for i, side, result in self.element.solve_states(list(states.values()), starts):
+            if not result.ok:
+                wheel = side if len(self.vehicle.wheelsets) == 1 else f"{names[i]}, {side}"
+                raise StepFailure(f"{wheel} contact: {result.status}")
+            contacts[names[i]][side] = result
+        return contacts
 
     def solve_wheelset(
         self, name: str, wheelset: WheelsetState, guess: WheelContacts | None
     ) -> Mapping[Side, ContactResult]:
         """Both contacts of a wheelset; raises StepFailure as `solve_contacts`."""
-        contacts: dict[Side, ContactResult] = {}
-        for side, result in self.element.solve_sides(wheelset, guess[name] if guess else None):
-            if not result.ok:
-                wheel = side if len(self.vehicle.wheelsets) == 1 else f"{name}, {side}"
-                raise StepFailure(f"{wheel} contact: {result.status}")
-            contacts[side] = result
-        return contacts
+        return self._solve_contacts({name: wheelset}, guess)[name]
 
     def accelerations(self, time: float, state: Array, wrenches: Array) -> Accelerations:
         """Accelerations under given contact forces.
@@ -332,4 +331,6 @@ def side_wrenches(contacts: Mapping[Side, ContactResult]) -> Array:
 
 def wheelset_wrenches(contacts: WheelContacts) -> Array:
     """Force N and moment N m (w, 6) of both contacts on each wheelset, in its track frame."""
-    return np.array([side_wrenches(sides).sum(axis=0) for sides in contacts.values()])
+    parts = [part for sides in contacts.values() for side in SIDES for part in (sides[side].force, sides[side].moment)]
+    left_and_right = np.concatenate(parts).reshape(len(contacts), len(SIDES), 6)
+    return np.asarray(left_and_right.sum(axis=1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -108,8 +109,7 @@ class VehicleJacobian:
         result = VehicleLinearisation(np.zeros((d.size, d.size)), np.zeros(d.size), tangents.exact, forces)
         result.by_state[:c, c : 2 * c] = np.eye(c)
         result.by_state[c:m, :m], result.by_time[c:m] = bodies.by_state, bodies.by_time
-        for i, tangent in enumerate(tangents.values):
-            own = d.coordinates.of_body(int(d.coordinates.wheelset_bodies[i]))
+        for i, (own, tangent) in enumerate(zip(self._own, tangents.values, strict=True)):
             self._add(result, i, c + own, bodies.by_wrench[:, own].T @ tangent, rails)
         if d.structure is not None:
             self._add_structures(result, travel, state, states, at.contacts, tangents.values, rails)
@@ -119,7 +119,7 @@ class VehicleJacobian:
         """Derivatives (6 w, n) of the forces of all wheels, of tangents (w, 2, 3, 10 + k)."""
         result = np.zeros((*tangents.shape[:3], self.dynamics.size))
         for i, own in enumerate(tangents):
-            columns, free = self._columns(i)
+            columns, free = self._columns[i]
             result[i][..., columns] = own[..., free]
         return result.reshape(-1, self.dynamics.size)
 
@@ -128,21 +128,19 @@ class VehicleJacobian:
         d, irregularities = self.dynamics, self.dynamics.track.irregularities
         if irregularities is None:
             return None
-        distances = d.distances(travel, state).tolist()
-        yaws = d.coordinates.split(state).position[d.coordinates.wheelset_bodies, YAW].tolist()
-        result = np.zeros((len(distances), len(SIDES), 2, 1))
-        for wheelset, distance, yaw in zip(result, distances, yaws, strict=True):
-            for side, way in enumerate((-1.0, 1.0)):  # as in `VehicleDynamics`: yaw puts the left wheel behind
-                by_distance = irregularities.derivatives(distance + way * d.vehicle.wheel_y * yaw)
-                if by_distance is not None:
-                    wheelset[side, :, 0] = by_distance[1, 2 * side : 2 * side + 2]
-        return RailSlopes(result, travel.speed * result)
+        yaws = d.coordinates.split(state).position[d.coordinates.wheelset_bodies, YAW]
+        # As in `VehicleDynamics`: yaw puts the left wheel behind.
+        ways = d.vehicle.wheel_y * yaws[:, None] * [-1.0, 1.0]
+        at = d.distances(travel, state)[:, None] + ways
+        by_distance = irregularities.derivatives(at.ravel())[1].reshape(*at.shape, 4)
+        slopes = np.stack([by_distance[:, 0, :2], by_distance[:, 1, 2:]], axis=1)[..., None]
+        return RailSlopes(slopes, travel.speed * slopes)
 
     def _add(
         self, result: VehicleLinearisation, i: int, rows: NDArray[np.int64], by_contact: Array, rails: RailSlopes | None
     ) -> None:
         """Add derivatives (2, rows, 10 + k) of rates by the changes of the left and the right contact of wheelset i."""
-        columns, free = self._columns(i)
+        columns, free = self._columns[i]
         result.by_state[rows[:, None], columns] += by_contact.sum(axis=0)[:, free]
         if rails is not None:
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
@@ -178,26 +176,35 @@ class VehicleJacobian:
             x = 6 * d.coordinates.wheelset_bodies[i] + X
             result.by_state[rows[:, None], np.flatnonzero(d.coordinates.free == x)] += by_distance[:, None]
 
-    @property
+    @cached_property
     def _places(self) -> dict[int, int]:
         """Index in the state by index among all coordinates and rates."""
         return {coordinate: k for k, coordinate in enumerate(self.dynamics.coordinates.within_all.tolist())}
 
-    def _columns(self, i: int) -> tuple[list[int], list[int]]:
-        """Indices in the state of coordinates and motions of wheelset i and of its speed, and of their columns in the
-        tangents, without those that are held.
+    @cached_property
+    def _columns(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+        """Indices in the state of coordinates and motions of each wheelset and of its speed, and of their columns in
+        the tangents, without those that are held.
         """
-        d, body = self.dynamics, int(self.dynamics.coordinates.wheelset_bodies[i])
-        places = self._places
-        total, columns = d.coordinates.held.size, [6 * body + k for k in (Y, Z, ROLL, YAW)]
-        columns += [total + 6 * body + k for k in (Y, Z, ROLL, YAW, PITCH)]
-        indices = [places.get(column) for column in columns]
-        if d.structure is not None:
-            first = d.coordinates.size + i * d.structure.size
-            indices += range(first, first + len(MOTIONS))
-        indices.append(places.get(total + 6 * body + X))
-        free = [k for k, index in enumerate(indices) if index is not None]
-        return [index for index in indices if index is not None], free
+        d = self.dynamics
+        places, total = self._places, d.coordinates.held.size
+        result = list[tuple[NDArray[np.int64], NDArray[np.int64]]]()
+        for i, body in enumerate(d.coordinates.wheelset_bodies.tolist()):
+            columns = [6 * body + k for k in (Y, Z, ROLL, YAW)]
+            columns += [total + 6 * body + k for k in (Y, Z, ROLL, YAW, PITCH)]
+            indices = [places.get(column, -1) for column in columns]
+            if d.structure is not None:
+                first = d.coordinates.size + i * d.structure.size
+                indices += range(first, first + len(MOTIONS))
+            indices.append(places.get(total + 6 * body + X, -1))
+            free = np.flatnonzero(np.array(indices) >= 0)
+            result.append((np.array(indices)[free], free))
+        return result
+
+    @cached_property
+    def _own(self) -> list[NDArray[np.int64]]:
+        """Indices in the state of the free coordinates of each wheelset."""
+        return [self.dynamics.coordinates.of_body(body) for body in self.dynamics.coordinates.wheelset_bodies.tolist()]
 
     def tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> ContactTangents:
         """Derivatives of force and moment of each wheel by the wheelset's coordinates, the motions of its hubs and
@@ -223,14 +230,12 @@ class VehicleJacobian:
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
         """Tangents (w, 2, 6, 9 + k) of the contact model; None if it has none. Raises StepFailure when one fails."""
         try:
-            for name, state in states.items():
-                self.dynamics.contact.ahead_tangent(state, contacts[name][SIDES[-1]])
-            tangents = [self.dynamics.element.side_tangents(state, contacts[name]) for name, state in states.items()]
+            tangents = self.dynamics.element.tangents(list(states.values()), [contacts[name] for name in states])
         except ValueError:  # some models and results have no tangent
             return None
         except (ArithmeticError, RuntimeError, np.linalg.LinAlgError) as error:
             raise StepFailure(f"tangent of a contact: {type(error).__name__}: {error}") from error
-        return np.array(tangents) if np.isfinite(tangents).all() else None
+        return tangents if np.isfinite(tangents).all() else None
 
     def _differences(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
         """Tangents (w, 2, 6, 9) by differences, those of an earlier call as long as they may be reused."""
@@ -240,7 +245,7 @@ class VehicleJacobian:
     def _differentiated(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
         result = np.zeros((len(states), len(SIDES), 6, len(WheelsetState.coordinates)))
         for i, (name, state) in enumerate(states.items()):
-            _, free = self._columns(i)
+            _, free = self._columns[i]
             for column, (key, step) in enumerate(zip(WheelsetState.coordinates, DIFFERENCE_STEPS, strict=True)):
                 if column not in free or key not in self.needed:
                     continue

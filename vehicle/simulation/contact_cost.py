@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
+
+import numpy as np
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
@@ -46,25 +49,39 @@ class CountedContact(VehicleContact):
     costs: dict[Side, ContactCost] = field(default_factory=lambda: {"left": ContactCost(), "right": ContactCost()})
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        cost, start, result = self.costs[side], perf_counter(), None
+        return self.solve_side([state], side, [guess])[0]
+
+    @property
+    def together(self) -> bool:
+        return self.contact.together
+
+    def solve_side(
+        self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
+    ) -> list[ContactResult]:
+        cost, start = self.costs[side], perf_counter()
+        results: list[ContactResult] = []
         try:
-            result = self.contact(state, side, guess)
+            results = self.contact.solve_side(states, side, guesses)
         finally:
-            cost.solves += 1
+            cost.solves += len(states)
             cost.seconds += perf_counter() - start
-            cost.failed += result is None or not result.ok
-        cost.newton += result.statistics.newton
-        cost.linear += result.statistics.linear
-        for phase, seconds in result.statistics.seconds.items():
-            cost.phases[phase] = cost.phases.get(phase, 0.0) + seconds
-        return result
+            cost.failed += len(states) - sum(result.ok for result in results)
+        for result in results:
+            cost.newton += result.statistics.newton
+            cost.linear += result.statistics.linear
+            for phase, seconds in result.statistics.seconds.items():
+                cost.phases[phase] = cost.phases.get(phase, 0.0) + seconds
+        return results
 
     def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
+        return np.asarray(self.side_tangents([state], side, [result])[0])
+
+    def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
         cost, start = self.costs[side], perf_counter()
         try:
-            tangent = self.contact.tangent(state, side, result)
-            cost.tangents += 1
-            return tangent
+            tangents = self.contact.side_tangents(states, side, results)
+            cost.tangents += len(states)
+            return tangents
         finally:
             cost.seconds += perf_counter() - start
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import Follow, Forcing
@@ -57,35 +58,33 @@ class RailFollowing:
     drift: Array | None = None
 
     @cached_property
-    def _wheelsets(self) -> list[tuple[float, list[int | None]]]:
-        """Place m and indices of height and roll in the state of each wheelset; no index where held."""
-        coordinates, bodies = self.dynamics.coordinates, self.dynamics.vehicle.bodies
+    def _places(self) -> Array:
+        """Places (w,) m of the wheelsets."""
+        bodies = self.dynamics.vehicle.bodies
+        return np.array([bodies[name].x for name in self.dynamics.vehicle.wheelsets])
+
+    @cached_property
+    def _indices(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Indices in the state of the heights, then the rolls, of the wheelsets, and which of these 2 w are free."""
+        coordinates = self.dynamics.coordinates
         places = {full: i for i, full in enumerate(coordinates.free.tolist())}
-        x = [bodies[name].x for name in self.dynamics.vehicle.wheelsets]
-        indices = [[places.get(6 * i + k) for k in (Z, ROLL)] for i in coordinates.wheelset_bodies.tolist()]
-        return list(zip(x, indices, strict=True))
+        indices = [places.get(6 * i + k, -1) for k in (Z, ROLL) for i in coordinates.wheelset_bodies.tolist()]
+        free = np.flatnonzero(np.array(indices) >= 0)
+        return np.array(indices)[free], free
 
     def __call__(self, time: float) -> Array:
         d, profile = self.dynamics, self.dynamics.speed_profile
-        reference, reference_speed, acceleration, _ = profile(time)
-        distance, speed = reference, reference_speed
+        distance, speed, acceleration, _ = profile(time)
         _, _, jerk = profile.speeds(time)
+        ahead, faster = np.zeros((2, 1)) if self.drift is None else self.drift.T
+        rails = self.irregularities.derivatives(distance + ahead + faster * (time - self.start) + self._places)
+        left, right, (indices, free) = rails[..., 1], rails[..., 3], self._indices
+        follows = np.concatenate([0.5 * (left + right), (left - right) / (2.0 * d.vehicle.wheel_y)], axis=1)[:, free]
+        value, slope, second, third = follows
+        speed = np.tile(np.broadcast_to(speed + faster, left.shape[1:]), 2)[free]
+        rate, rate_rate = speed * slope, speed**2 * second + acceleration * slope
+        by_time = speed**3 * third + 3.0 * speed * acceleration * second + jerk * slope
         result = np.zeros((3, d.size))
-        for number, (place, indices) in enumerate(self._wheelsets):
-            if self.drift is not None:
-                ahead, faster = self.drift[number].tolist()
-                distance = reference + ahead + faster * (time - self.start)
-                speed = reference_speed + faster
-            by_distance = self.irregularities.derivatives(distance + place)
-            if by_distance is None:
-                continue
-            left, right = by_distance[:, 1], by_distance[:, 3]
-            follows = 0.5 * (left + right), (left - right) / (2.0 * d.vehicle.wheel_y)
-            for index, values in zip(indices, follows, strict=True):
-                if index is None:
-                    continue
-                value, slope, second, third = values.tolist()
-                rate, rate_rate = speed * slope, speed**2 * second + acceleration * slope
-                rates = (value, rate, rate_rate, speed**3 * third + 3.0 * speed * acceleration * second + jerk * slope)
-                result[:, index], result[:, d.coordinates.count + index] = rates[:3], rates[1:]
+        result[:, indices] = value, rate, rate_rate
+        result[:, d.coordinates.count + indices] = rate, rate_rate, by_time
         return result

@@ -63,43 +63,43 @@ class Irregularities:
         return cls(faded_stations, inside * weight[:, None])
 
     @cached_property
-    def _knots(self) -> list[float]:
-        return [float(s) for s in self.stations.tolist()]
-
-    @cached_property
-    def _cubics(self) -> list[list[list[float]]]:
-        """Four coefficients, highest power first, of each piece and component of both rails; zero slope at the ends.
-
-        Plain numbers are faster than arrays for so few values.
+    def _spline(self) -> Array:
+        """Coefficients (n - 1, 4, 4), highest power first, of each piece and component of both rails; zero slope at the
+        ends.
         """
         from scipy.interpolate import CubicSpline
 
         spline = CubicSpline(self.stations, self.values @ RAILS.T, bc_type="clamped")
-        pieces: list[list[list[float]]] = spline.c.transpose(1, 2, 0).tolist()
+        return np.ascontiguousarray(spline.c.transpose(1, 0, 2))
+
+    @cached_property
+    def _cubics(self) -> list[list[list[float]]]:
+        """Coefficients of each piece and component. Plain numbers are faster than arrays for so few values."""
+        pieces: list[list[list[float]]] = self._spline.transpose(0, 2, 1).tolist()
         return pieces
 
-    def _piece(self, s: float) -> tuple[list[list[float]], float] | None:
-        i = bisect_right(self._knots, s) - 1
-        return (self._cubics[i], s - self._knots[i]) if 0 <= i < len(self._knots) - 1 else None
+    @cached_property
+    def _knots(self) -> list[float]:
+        return [float(s) for s in self.stations.tolist()]
 
     def rails(self, s: float) -> RailShift | None:
         """Lateral and vertical displacement, m, of the left and the right rail at s; None outside the samples."""
-        piece = self._piece(s)
-        if piece is None:
+        i = bisect_right(self._knots, s) - 1
+        if not 0 <= i < len(self._knots) - 1:
             return None
-        cubics, x = piece
-        left_y, left_z, right_y, right_z = [((a * x + b) * x + c) * x + d for a, b, c, d in cubics]
+        x = s - self._knots[i]
+        left_y, left_z, right_y, right_z = [((a * x + b) * x + c) * x + d for a, b, c, d in self._cubics[i]]
         return (left_y, left_z), (right_y, right_z)
 
-    def derivatives(self, s: float) -> Array | None:
-        """Displacements (4, 4) by distance: m and their first three derivatives, 1 to 1/m2, each of y and z of the left
-        and of the right rail at s; None outside the samples.
+    def derivatives(self, s: Array) -> Array:
+        """Displacements (4, m, 4) by distance: m and their first three derivatives, 1 to 1/m2, each of y and z of the
+        left and of the right rail at distances s (m,); zero outside the samples.
         """
-        piece = self._piece(s)
-        if piece is None:
-            return None
-        cubics, x = piece
-        a, b, c, d = np.array(cubics).T
+        i = np.searchsorted(self.stations, s, side="right") - 1
+        inside = (i >= 0) & (i < len(self.stations) - 1)
+        i = np.where(inside, i, 0)
+        a, b, c, d = np.where(inside[:, None], self._spline[i].transpose(1, 0, 2), 0.0)
+        x = (s - self.stations[i])[:, None]
         slopes = (3.0 * a * x + 2.0 * b) * x + c
         return np.asarray([((a * x + b) * x + c) * x + d, slopes, 6.0 * a * x + 2.0 * b, 6.0 * a])
 

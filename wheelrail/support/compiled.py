@@ -120,6 +120,13 @@ def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python")
     return cast(F, dispatcher)
 
 
+def unchecked(function: F) -> F:
+    """As `compiled`; divisions by zero give inf or NaN: checks for them cost time, and keep loops from vector
+    instructions.
+    """
+    return compiled(function, error_model="numpy")
+
+
 def address(function: Callable[..., Any], signature: Any) -> int:
     """Address of a C function with a Numba signature, compiled from a function in Python; it lives until the end.
 

@@ -21,12 +21,12 @@ from wheelrail.contact.models.standard.region_derivatives import MOTIONS, Region
 from wheelrail.contact.models.standard.strip_resultant import strip_resultant
 from wheelrail.meshes.curves.closest_point import Shape, local, piece
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import unchecked
 
 CHANGES = 12
 
 
-@compiled
+@unchecked
 def surface_derivatives(
     wheel: Shape,
     radius: float,
@@ -80,7 +80,7 @@ def surface_derivatives(
             )
 
 
-@compiled
+@unchecked
 def velocity_derivatives(
     v: RigidVelocities, reference: Array, point: Array, by_point: Array, relative: Array, flow: Array
 ) -> tuple[Place, Place]:
@@ -123,7 +123,7 @@ def velocity_derivatives(
     )
 
 
-@compiled
+@unchecked
 def creepage_derivatives(
     v: RigidVelocities,
     velocity: Place,
@@ -161,7 +161,7 @@ def creepage_derivatives(
         columns[2, 9 + k] -= axes[2, k] / V
 
 
-@compiled
+@unchecked
 def coefficient_slopes(table: Array, ratio: float) -> tuple[float, float, float]:
     """Derivatives of `wheelrail.contact.models.standard.creep_coefficients.coefficients` by the ratio of semi-axes."""
     side, shorter = (1 if ratio > 1.0 else 0), min(ratio, 1.0 / ratio)
@@ -173,7 +173,7 @@ def coefficient_slopes(table: Array, ratio: float) -> tuple[float, float, float]
     return slope * (high[0] - low[0]), slope * (high[1] - low[1]), slope * (high[2] - low[2])
 
 
-@compiled
+@unchecked
 def force_derivatives(
     wheel: Shape,
     radius: float,
@@ -296,7 +296,7 @@ def force_derivatives(
     return tangent
 
 
-@compiled
+@unchecked
 def add_strip(
     point: Array,
     axes: Array,

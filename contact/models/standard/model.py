@@ -11,7 +11,6 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import WheelRegions
 from wheelrail.contact.geometry.rigid_surfaces import RigidPair, RigidWheelRail
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
@@ -30,9 +29,9 @@ from wheelrail.contact.models.standard.forces import (
 )
 from wheelrail.contact.models.standard.normal import StripPressures, hertzian, virtual_penetration
 from wheelrail.contact.models.standard.patches import StripContacts
-from wheelrail.contact.models.standard.wheel_rail import ForceDerivative, WheelOnRail
+from wheelrail.contact.models.standard.wheel_rail import Parameters, SolvedWheels
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
-from wheelrail.contact.solvers.tangent import ContactTangent
+from wheelrail.support.arrays import Array
 
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
@@ -116,11 +115,31 @@ class StandardContact:
         cells, contacts = (self.friction_law.coefficient(w, np.zeros(len(w))) for w in slips)
         return StripFriction(self.method, cells, contacts, self.reduction)
 
-    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
+    @cached_property
+    def together(self) -> Parameters | None:
+        """What is the same for all wheels that one compiled call solves: of pressures by Piotrowski and Kik on profiles
+        with constant friction; None for others.
+        """
         pair, mu = self.surfaces, self.constant_friction
+        if not isinstance(pair, RigidWheelRail) or mu is None or self.normal != "kik-piotrowski":
+            return None
+        return Parameters(
+            pair.wheel.shape,
+            pair.rail.shape,
+            float(pair.radius),
+            pair.lines,
+            float(pair.merge_distance),
+            self.elasticity,
+            self.method,
+            float(mu),
+            (float(self.reduction[0]), float(self.reduction[1])),
+            self.cells,
+        )
+
+    def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
+        if self.together is not None:
+            return self.results(SolvedWheels.at_pair(self.together, pose, motion))[0]
         try:
-            if isinstance(pair, RigidWheelRail) and mu is not None and self.normal == "kik-piotrowski":
-                return self._wheel_on_rail(pair, mu, pose, motion)
             contacts, approach = self.strip_contacts(pose, motion)
         except ValueError as error:
             return ContactResult.failed(str(error))
@@ -162,50 +181,64 @@ class StandardContact:
         cells = strip_forces(strips, zones.weight, middles, peaks, velocities, self.elasticity, friction, self.cells)
         return StripContacts(zones, strips, cells, point, axes, pose, motion, self.surfaces), approach
 
+    @cached_property
+    def _extent(self) -> tuple[float, float]:
+        return self.surfaces.extent
+
     def _failure(self, along: float, across: float, speed: float) -> str:
         """Why a result with these largest semi-axes m and smallest rolling speed m/s is none; empty if it is one."""
-        for axis, largest in zip((along, across), self.surfaces.extent, strict=True):
+        for axis, largest in zip((along, across), self._extent, strict=True):
             if not axis < largest:
                 return CONFORMAL.format(1e3 * axis, 1e3 * largest)
         if self.method != NO_FRICTION and not speed > 0.0:
             return f"friction needs a positive rolling speed, got {speed:g} m/s; with mu = 0 any is allowed"
         return ""
 
-    def _wheel_on_rail(self, pair: RigidWheelRail, mu: float, pose: Pose, motion: RigidMotion) -> ContactResult:
-        """The result of one compiled call, with patches and fields on demand. Raises ValueError."""
-        at = WheelOnRail(pair, self.elasticity, self.method, mu, self.reduction, self.cells, pose, motion)
-        force = at.force()
-        if force.beyond or not force.contacts:
-            pair.check(pose, force.beyond)
-            return ContactResult.separated(min(force.approach, 0.0))
-        failure = self._failure(force.along, force.across, force.speed)
+    def results(self, solved: SolvedWheels) -> list[ContactResult]:
+        """Results of wheels that were solved together, with patches and fields on demand."""
+        wrenches = zip(solved.forces.wrench[:, :3], solved.forces.wrench[:, 3:], strict=True)
+        values = zip(solved.forces.values.tolist(), wrenches, strict=True)
+        return [self._result(solved, i, own, *wrench) for i, (own, wrench) in enumerate(values)]
+
+    def _result(self, solved: SolvedWheels, i: int, values: list[float], force: Array, moment: Array) -> ContactResult:
+        """Result of wheel i."""
+        approach, beyond, contacts, points, along, across, speed = values
+        if beyond or not contacts:
+            assert isinstance(self.surfaces, RigidWheelRail)
+            try:
+                self.surfaces.check(solved.pairs.pose(i), bool(beyond))
+            except ValueError as error:
+                return ContactResult.failed(str(error))
+            return ContactResult.separated(min(approach, 0.0))
+        failure = self._failure(along, across, speed)
         if failure:
-            return ContactResult.failed(failure, force.approach)
-        details = _Details(self, at, force.found)
+            return ContactResult.failed(failure, approach)
+        details = _Details(self, solved, i)
         return ContactResult(
-            force=force.force,
-            moment=force.moment,
+            force=force,
+            moment=moment,
             patches=LazyPatches(details.patches),
             fields=LazyFields(details.fields),
-            approach=force.approach,
+            approach=approach,
             status="converged",
-            statistics=Statistics(points=force.points),
-            force_tangent=None if self.method == POLACH else ContactTangent(ForceDerivative(at, force.found)),
+            statistics=Statistics(points=int(points)),
+            force_tangent=None if self.method == POLACH else solved.tangent(i),
         )
 
 
 @dataclass(frozen=True, eq=False)
 class _Details:
-    """Patches and fields of a wheel on a rail, when they are needed, from the regions of the force."""
+    """Patches and fields of one of the wheels that were solved together, when they are needed."""
 
     model: StandardContact
-    at: WheelOnRail
-    found: WheelRegions
+    solved: SolvedWheels
+    wheel: int
 
     def patches(self) -> tuple[Patch, ...]:
-        return self.at.patches(self.found)
+        return self.solved.patches(self.wheel)
 
     def fields(self) -> Fields:
-        contacts, _ = self.model.strip_contacts(self.at.pose, self.at.motion)
+        pairs = self.solved.pairs
+        contacts, _ = self.model.strip_contacts(pairs.pose(self.wheel), pairs.rigid_motion(self.wheel))
         assert contacts is not None
         return contacts.fields()

@@ -11,7 +11,7 @@ from wheelrail.contact.models.standard.ellipse import axis_ratio, complete, stri
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import unchecked
 
 CIRCULAR = 1e-5  # 1 - k^2 below which the derivative of D is that at k = 1: its error is of this order
 
@@ -28,7 +28,7 @@ class PressureDerivatives(NamedTuple):
     patches: Array
 
 
-@compiled
+@unchecked
 def complete_derivatives(k: float, K: float, D: float) -> tuple[float, float]:
     """Derivatives of K and D of `complete` by k."""
     m = (1.0 - k) * (1.0 + k)
@@ -36,7 +36,7 @@ def complete_derivatives(k: float, K: float, D: float) -> tuple[float, float]:
     return -(K - D) / k, -2.0 * k * by_m
 
 
-@compiled
+@unchecked
 def axis_ratio_slope(k: float) -> float:
     """Logarithmic derivative of `axis_ratio` by the ratio of curvatures, where its value is k."""
     K, D = complete(k)
@@ -44,7 +44,7 @@ def axis_ratio_slope(k: float) -> float:
     return 1.0 / (2.0 + k * (by_D / D - (by_K - by_D) / (K - D)))
 
 
-@compiled
+@unchecked
 def potential_slopes(half: float, away: float, value: float) -> tuple[float, float]:
     """Derivatives of `strip_potential`, homogeneous of degree 1, by half length and distance, from its value."""
     reach = np.sqrt(half * half + away * away)
@@ -53,7 +53,7 @@ def potential_slopes(half: float, away: float, value: float) -> tuple[float, flo
     return by_half, (value - half * by_half) / away if away > 0.0 else 0.0
 
 
-@compiled
+@unchecked
 def virtual_penetration_derivatives(
     zones: PenetrationRegions, pressures: StripPressures, by: RegionDerivatives
 ) -> PressureDerivatives:

@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import unchecked
 
 Increments = tuple[float, float, float]
 
 
-@compiled
+@unchecked
 def strip_resultant(increments: Increments, bounds: Array, resultant: Array, slopes: Array, scratch: Array) -> None:
     """Fill means over the cells of both tractions and of place times lateral traction (3,), and derivatives (3, 3).
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.kinematics.left_pair import pair_slope
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.models.wheelset import WheelsetContact, pair_slope
+from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -54,7 +55,8 @@ def test_velocity_of_a_material_point() -> None:
 
 def test_derivatives_of_pose_and_motion() -> None:
     """Every column against central differences of `Mounting.left_pair`."""
-    slope = pair_slope(MOUNTING, STATE)
+    slope = np.empty((12, 9))
+    pair_slope(np.array(STATE.values)[:15], MOUNTING.wheel_y, slope)
     pose, motion = MOUNTING.left_pair(STATE)
     for column, name in zip(slope.T, STATE.coordinates, strict=True):
         h = 1e-6

@@ -12,8 +12,8 @@ from standard_pair import MOUNTING, RAIL, WHEEL, wheel_on_rail
 from wheelrail.contact.analytical.hertz import hertz
 from wheelrail.contact.analytical.kalker import kalker
 from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics, RigidWheelRail
-from wheelrail.contact.kinematics.frames import RigidMotion, Side, Twist
-from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.kinematics.frames import MIRROR, SIDES, RigidMotion, Side, Twist
+from wheelrail.contact.kinematics.wheelset_state import STATE_MIRRORED, WheelsetState
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -303,6 +303,48 @@ def test_tangent_is_the_derivative_of_the_forces(state: WheelsetState, side: Sid
             quotient = (getattr(ahead, own) - getattr(behind, own)) / (2 * step)
             largest = max(np.abs(rows[:, column]).max(), 1e-5 * np.abs(rows).max())
             np.testing.assert_allclose(quotient, rows[:, column], rtol=0, atol=2e-4 * largest)
+
+
+@pytest.mark.parametrize("side", SIDES)
+def test_wheels_solved_together_are_those_solved_one_by_one(side: Side) -> None:
+    """Bit for bit, with separated and failed wheels among them; the tangents through pose and motion to round-off."""
+    contact = wheel_on_rail(0.3)
+    states = [*TANGENT_STATES, replace(STATE, z=1e-3), replace(STATE, speed=0.0, pitch_rate=0.0)]
+    states = [state if side == "left" else replace(state.mirrored(), roll=state.roll - 1e-5) for state in states]
+    together = contact.solve_side(states, side, [None] * len(states))
+    assert [result.status.split(":")[0] for result in together[-2:]] == ["separated", "failed"]
+    for state, result in zip(states, together, strict=True):
+        pose, motion = MOUNTING.left_pair(state if side == "left" else state.mirrored())
+        own = contact.model(pose, motion, None).about(motion.wheel.reference)
+        own = own if side == "left" else own.mirrored()
+        assert (own.status, own.approach) == (result.status, result.approach)
+        assert own.force.tolist() == result.force.tolist()
+        assert own.moment.tolist() == result.moment.tolist()
+        if result.ok:
+            assert [p.normal_force for p in own.patches] == [p.normal_force for p in result.patches]
+            np.testing.assert_array_equal(own.tangent(), result.tangent())
+    touching = [i for i, result in enumerate(together) if result.ok]
+    wheels, results = [states[i] for i in touching], [together[i] for i in touching]
+    tangents = contact.side_tangents(wheels, side, results)
+    assert not tangents[-1].any()  # separated
+    for state, result, tangent in zip(wheels, results, tangents, strict=True):
+        single = contact.tangent(state, side, result)
+        np.testing.assert_allclose(tangent, single, rtol=0, atol=1e-13 * np.abs(single).max())
+    some = contact.side_tangents(wheels[3:1:-1], side, results[3:1:-1])
+    np.testing.assert_array_equal(some, tangents[3:1:-1])
+
+
+def test_wheels_solved_together_are_mirrored_bit_for_bit() -> None:
+    contact = wheel_on_rail(0.3)
+    mirrored = [state.mirrored() for state in TANGENT_STATES]
+    none = [None] * len(mirrored)
+    left, right = contact.solve_side(TANGENT_STATES, "left", none), contact.solve_side(mirrored, "right", none)
+    for one, other in zip(left, right, strict=True):
+        assert (MIRROR * one.force).tolist() == other.force.tolist()
+        assert (-MIRROR * one.moment).tolist() == other.moment.tolist()
+    rows, columns = np.tile([1.0, -1.0], 3)[:, None], STATE_MIRRORED
+    expected = rows * contact.side_tangents(TANGENT_STATES, "left", left) * columns
+    np.testing.assert_array_equal(expected, contact.side_tangents(mirrored, "right", right))
 
 
 def test_variants_without_a_tangent() -> None:

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from wheelrail.support.arrays import Complex
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import unchecked
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -17,8 +17,8 @@ Matrix = tuple[Vector, Vector, Vector]  # columns
 
 
 def analytic(function: F) -> F:
-    """The function as machine code; divisions by zero give inf or NaN, as the checks for them cost compile time."""
-    return compiled(function, error_model="numpy")
+    """The function as machine code for complex numbers, without checks, which cost compile time."""
+    return unchecked(function)
 
 
 @analytic
