@@ -74,14 +74,14 @@ class RailFollowing:
 
     def __call__(self, time: float) -> Array:
         d, profile = self.dynamics, self.dynamics.speed_profile
-        distance, speed, acceleration, _ = profile(time)
+        distance, reference_speed, acceleration, _ = profile(time)
         _, _, jerk = profile.speeds(time)
         ahead, faster = np.zeros((2, 1)) if self.drift is None else self.drift.T
         rails = self.irregularities.derivatives(distance + ahead + faster * (time - self.start) + self._places)
         left, right, (indices, free) = rails[..., 1], rails[..., 3], self._indices
         follows = np.concatenate([0.5 * (left + right), (left - right) / (2.0 * d.vehicle.wheel_y)], axis=1)[:, free]
         value, slope, second, third = follows
-        speed = np.tile(np.broadcast_to(speed + faster, left.shape[1:]), 2)[free]
+        speed = np.tile(np.broadcast_to(reference_speed + faster, left.shape[1:]), 2)[free]
         rate, rate_rate = speed * slope, speed**2 * second + acceleration * slope
         by_time = speed**3 * third + 3.0 * speed * acceleration * second + jerk * slope
         result = np.zeros((3, d.size))
