@@ -120,9 +120,8 @@ class VehicleJacobian:
         if irregularities is None:
             return None
         yaws = d.coordinates.split(state).position[d.coordinates.wheelset_bodies, YAW]
-        ways = (
-            d.vehicle.wheel_y * yaws[:, None] * [-1.0, 1.0]
-        )  # as in `VehicleDynamics`: yaw puts the left wheel behind
+        # as in `VehicleDynamics`: yaw puts the left wheel behind
+        ways = d.vehicle.wheel_y * yaws[:, None] * [-1.0, 1.0]
         at = d.distances(travel, state)[:, None] + ways
         by_distance = irregularities.derivatives(at.ravel())[1].reshape(*at.shape, 4)
         own_rails = np.stack([by_distance[:, 0, :2], by_distance[:, 1, 2:]], axis=1)
