@@ -10,7 +10,6 @@ import numpy as np
 
 from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.kinematics.left_pair import left_pairs
 from wheelrail.support.arrays import Array
 
 RailShift = tuple[tuple[float, float], tuple[float, float]]
@@ -121,6 +120,8 @@ class Mounting:
 
     def left_pair(self, state: WheelsetState) -> tuple[Pose, RigidMotion]:
         """Pose and velocities of the left pair, in the left rail's frame (parallel to the track frame), eq. (5)."""
+        from wheelrail.contact.kinematics.left_pair import left_pairs  # Numba, which the track does without
+
         pairs = left_pairs(np.array([state.values]), self.dimensions, False)
         return pairs.pose(0), pairs.rigid_motion(0)
 
