@@ -9,7 +9,7 @@ from typing import Generic
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.integration.problem import E, RightHandSide, require_finite
+from wheelrail.vehicle.integration.problem import E, RightHandSide, Within, require_finite
 from wheelrail.vehicle.integration.step_control import StepStatistics
 
 
@@ -108,4 +108,8 @@ class ExplicitRungeKutta(Generic[E]):
 
     @property
     def outputs(self) -> Array | None:
+        return None
+
+    @property
+    def within(self) -> Within | None:
         return None

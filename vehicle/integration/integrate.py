@@ -11,7 +11,16 @@ import numpy as np
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
 from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
-from wheelrail.vehicle.integration.problem import E, Follow, Forcing, Linearise, RightHandSide, StepFailure, StepMethod
+from wheelrail.vehicle.integration.problem import (
+    E,
+    Follow,
+    Forcing,
+    Linearise,
+    RightHandSide,
+    StepFailure,
+    StepMethod,
+    Within,
+)
 from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, ROSENBROCK4, RosenbrockPair, RosenbrockW
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
@@ -35,6 +44,7 @@ class Step(Generic[E]):
         error: estimated, in tolerances; of a step that was shortened to end at a given time, that of the full step.
         following: length of the next step, s.
         forcing: motion from which the difference is integrated; None: zero.
+        within: states at fractions of the step; None: by the rates at both ends.
     """
 
     t0: float
@@ -46,9 +56,14 @@ class Step(Generic[E]):
     error: float
     following: float
     forcing: Forcing | None = None
+    within: Within | None = None
 
     def at(self, time: float) -> Array:
-        """State at a time s within the step, by cubic Hermite interpolation of the difference from the forcing."""
+        """State at a time s within the step, of the method or by cubic Hermite interpolation of the difference from the
+        forcing.
+        """
+        if self.within is not None:
+            return self.within((time - self.t0) / (self.t - self.t0))
         if self.forcing is None:
             return self._interpolated(time, self.start.rate, self.end.rate, self.x0, self.x)
         (p0, v0, _), (p1, v1, _) = self.forcing(self.t0), self.forcing(self.t)
@@ -198,7 +213,7 @@ def integrate(
             error, h = error * (proposed / h) ** k, proposed
         factor = control.factor(error, error_before, k)
         h = min(settings.max_step, h * (factor if first_trial else min(1.0, factor)))
-        step = Step(t, x, start, after, new, end, error, h, None if follow is None else follow(t, x))
+        step = Step(t, x, start, after, new, end, error, h, None if follow is None else follow(t, x), trial_step.within)
         t, x, start, error_before, first_trial, reason = after, new, end, error, True, None
         yield step
 
