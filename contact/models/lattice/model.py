@@ -38,7 +38,7 @@ log = logging.getLogger(__name__)
 
 FARTHEST = 0.5  # first step from an earlier result beyond which a start without it needs fewer iterations
 WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearly always
-MATRICES = 3  # of the size of the Jacobian: operator, Jacobian, factors
+MATRICES = 1.5  # of the size of the Jacobian: the operator, which becomes the Jacobian, and its factors
 SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
 DEEPEST = 3e-3  # m, approach of a wheel: 1.2 mm carries 1.8 MN; beyond, tens of strips take half a second

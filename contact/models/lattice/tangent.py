@@ -53,7 +53,7 @@ class LatticeTangent:
         evaluation, jacobian, rho = problem.linearise(self.solution.state)
         self.solution.factors = Factors.of(jacobian, rho)
         data = problem.of(self.solution.state.strips)
-        change = self.solution.factors.solve(self._by_pose(evaluation, rho))
+        change = self.solution.factors.solve(jacobian, self._by_pose(evaluation, rho))
         total = -resultant_slopes(values, data) @ change
         if problem.surface.revolves:  # the strips move with the wheel
             total[:, :6] += co_moving_load(resultants(values, data), problem.pose.origin)

@@ -25,6 +25,7 @@ from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
+from wheelrail.contact.models.lattice.solver.factors import Factors
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import rigid_slip
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
@@ -328,7 +329,7 @@ def test_memory_and_time_are_told_before_or_refused(
     assert not caplog.messages
     contact._check_size(64)
     (message,) = caplog.messages
-    assert message.startswith("64 strips, 64 cells along each: 8512 unknowns: 1.7 GB, about ")
+    assert message.startswith("64 strips, 64 cells along each: 8512 unknowns: 0.87 GB, about ")
     monkeypatch.setattr("os.sysconf", lambda name: 1)  # a machine of one byte
     with pytest.raises(TooLarge, match="strips, 64 cells along each"):
         contact(hertz_pose(exact().approach), flowing(1e-3), None)
@@ -393,6 +394,22 @@ def test_a_warm_start_that_does_not_fit_is_not_used(damaged: str) -> None:
     result = contact(place, motion, ContactResult.guess(LatticeSolution(state, factors)))
     assert result.statistics.newton == cold.statistics.newton > 0
     np.testing.assert_array_equal(result.force, cold.force)
+
+
+@pytest.mark.parametrize("smallest", [1e-3, 1e-9])
+def test_solutions_are_refined_to_double_precision(smallest: float) -> None:
+    """Factors are in single precision, and solve nothing where the condition exceeds it."""
+    strips, block, cells = 3, 25, 10
+    n, random = strips * block, np.random.default_rng(1)
+    left, right = (np.linalg.qr(random.standard_normal((n, n)))[0] for _ in range(2))
+    scaled = left @ np.diag(np.geomspace(1.0, smallest, n)) @ right
+    empty = Factors.of(np.eye(n), np.ones((strips, cells)))
+    jacobian = scaled / (empty.rows[:, None] * empty.columns)
+    factors = Factors.of(jacobian, empty.rho)
+    expected = empty.columns[:, None] * random.standard_normal((n, 4))
+    found = factors.solve(jacobian, jacobian @ expected)
+    size = np.abs(expected / empty.columns[:, None]).max()
+    assert np.abs((found - expected) / empty.columns[:, None]).max() < 1e-14 / smallest * size
 
 
 def test_falling_friction_reduces_the_force() -> None:

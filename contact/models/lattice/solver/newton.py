@@ -59,7 +59,7 @@ class LatticeNewton:
             evaluation, jacobian, rho = self.problem.linearise(state)
             self.count.newton += 1
             factors = Factors.of(jacobian, rho)
-            step = factors.solve(-evaluation.residual)
+            step = factors.step(evaluation.residual)
             size, _ = relative_size(state.values, step)
             if not np.isfinite(size):
                 raise NotConverged("the step of the contact is not finite")
@@ -110,7 +110,7 @@ class LatticeNewton:
                 except OutsideSurface:
                     factor *= 0.5
                     continue
-                following = factors.solve(-evaluation.residual)
+                following = factors.step(evaluation.residual)
                 _, after = relative_size(state.values, following)
                 if best is None or after < best[0]:
                     best = after, trial, following, evaluation
