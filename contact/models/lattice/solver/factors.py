@@ -15,6 +15,7 @@ from numba.extending import get_cython_function_address
 from numpy.typing import NDArray
 
 from wheelrail.contact.models.lattice.influence.basis import MOMENTS
+from wheelrail.contact.models.lattice.system.problem import Linearisation
 from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.support.arrays import Array, Single
 from wheelrail.support.compiled import call, compiled
@@ -34,6 +35,11 @@ class Factors(NamedTuple):
         pivots: (n,) of LAPACK, from 1.
         rows, columns: (n,) factors from the equations' and to the unknowns' units.
         rho: (S, M) 1/Pa of the friction residual.
+        slips: (S, 2 M, n), derivatives of the slips by the unknowns, in the units of these.
+        slopes: (S, M, 12), those of the friction residual in the Jacobian.
+        present: (S, M, 12), those with which the factors are corrected, see
+            `wheelrail.contact.models.lattice.solver.renewal`.
+        spread, gather: (n, r) and (r, n), the correction: steps z become z - spread (gather z).
     """
 
     lu: Single
@@ -41,12 +47,18 @@ class Factors(NamedTuple):
     rows: Array
     columns: Array
     rho: Array
+    slips: Single
+    slopes: Array
+    present: Array
+    spread: Single
+    gather: Single
 
     @classmethod
-    def of(cls, jacobian: Array, rho: Array) -> Factors:
+    def of(cls, linearisation: Linearisation) -> Factors:
         """Factors of a Jacobian. Raises NotConverged if it is singular."""
-        S = len(rho)
-        block = len(jacobian) // S
+        jacobian, rho, slopes = linearisation.jacobian, linearisation.rho, linearisation.slopes
+        S, n = len(rho), len(jacobian)
+        block = n // S
         rows, columns = np.full((S, block), 1 / STRESS), np.full((S, block), STRESS)
         rows[:, block - MOMENTS :], columns[:, block - 2 :] = 1 / GAP, LENGTH
         rows, columns = rows.ravel(), columns.ravel()
@@ -54,7 +66,9 @@ class Factors(NamedTuple):
         lu, pivots, info = la.lapack.sgetrf(_scaled(jacobian, rows, columns).T, overwrite_a=1)
         if info:
             raise NotConverged("the Jacobian of the contact is singular")
-        return cls(lu.T, (pivots + 1).astype(np.int32), rows, columns, rho)
+        slips = linearisation.slips * columns.astype(np.float32)
+        none = np.zeros((n, 0), dtype=np.float32), np.zeros((0, n), dtype=np.float32)
+        return cls(lu.T, (pivots + 1).astype(np.int32), rows, columns, rho, slips, slopes, slopes, *none)
 
     def fit(self, values: Array, block: int, cells: int) -> bool:
         """Whether they are those of a state with values (S, block) of strips with cells, also where they are read from
@@ -65,9 +79,12 @@ class Factors(NamedTuple):
         return (
             values.shape == (len(values), block)
             and self.lu.shape == (n, n)
-            and self.lu.dtype == np.float32
             and all(vector.shape == (n,) for vector in vectors)
             and self.rho.shape == (len(values), cells)
+            and self.slopes.shape == self.present.shape == (len(values), (block - MOMENTS) // 2, 12)
+            and self.slips.shape == (len(values), block - MOMENTS, n)
+            and self.spread.shape == self.gather.T.shape == (n, self.spread.shape[1])
+            and all(part.dtype == np.float32 for part in (self.lu, self.slips, self.spread, self.gather))
             and n > 0
             and bool(self.pivots.min() >= 1 and self.pivots.max() <= n)
         )
@@ -77,7 +94,8 @@ class Factors(NamedTuple):
         return newton_step(self, back_substitution(), residual)
 
     def solve(self, jacobian: Array, right: Array) -> Array:
-        """Solution (n, k) in double precision for right-hand sides (n, k), with the Jacobian (n, n) of these factors.
+        """Solution (n, k) in double precision for right-hand sides (n, k), with the Jacobian (n, n) of these factors,
+        which are not corrected.
 
         Iterative refinement: N. Higham, Accuracy and Stability of Numerical Algorithms, 2002, chapter 12.
         """
@@ -116,12 +134,14 @@ def back_substitution() -> int:
 @compiled
 def newton_step(factors: Factors, solver: int, residual: Array) -> Array:
     """Step (S, block) that cancels the linearised residual (S, block); solver: `back_substitution`."""
-    n = len(factors.rows)
+    n, rank = len(factors.rows), len(factors.gather)
     scaled, values = np.empty(n, dtype=np.float32), residual.ravel()
     for k in range(n):
         scaled[k] = -factors.rows[k] * values[k]
     sizes = np.array([n, 1, n, n, 0], dtype=np.int32)  # n, right-hand sides, leading dimensions, flag
     _back_substitute(solver, factors.lu, factors.pivots, scaled, sizes, np.array([84], dtype=np.uint8))
+    if rank:
+        scaled -= np.dot(factors.spread, np.dot(factors.gather, scaled))
     step = np.empty(residual.shape)
     flat = step.ravel()
     for k in range(n):
