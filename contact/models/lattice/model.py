@@ -23,8 +23,9 @@ from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.chords import chords
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
 from wheelrail.contact.models.lattice.solver.entry import entering, penetrating
-from wheelrail.contact.models.lattice.solver.factors import back_substitution
+from wheelrail.contact.models.lattice.solver.factors import Factors, back_substitution
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
+from wheelrail.contact.models.lattice.system.equations import Evaluation
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
@@ -38,7 +39,7 @@ log = logging.getLogger(__name__)
 
 FARTHEST = 0.5  # first step from an earlier result beyond which a start without it needs fewer iterations
 WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearly always
-MATRICES = 3  # of the size of the Jacobian: operator, Jacobian, factors
+MATRICES = 2.0  # of the size of the Jacobian: itself, its factors and slips in single precision
 SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
 DEEP = 3e-3  # m, approach of a wheel whose failure is due to it: one on the tread carries 5 MN
@@ -158,6 +159,7 @@ class LatticeContact:
         if not remain.any():
             return None
         state = earlier.state.at(remain)
+        kept: tuple[Factors, Evaluation] | None = None
         try:
             if remain.all():
                 steps = chords(
@@ -178,9 +180,11 @@ class LatticeContact:
                     state = state.joined(new)
                 elif steps.leaves.all() or not steps.size < FARTHEST:
                     return None
-                else:
+                elif steps.leaves.any():
                     state = state.at(~steps.leaves)
-            return LatticeNewton(problem, self.tolerance, count).solve(state, WARM_ITERATIONS, FARTHEST)
+                else:
+                    kept = earlier.factors, steps.evaluation
+            return LatticeNewton(problem, self.tolerance, count).solve(state, WARM_ITERATIONS, FARTHEST, kept)
         except (NotConverged, OutsideSurface) as error:
             log.debug("from the earlier result: %s", error)
             return None

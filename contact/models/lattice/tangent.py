@@ -19,14 +19,13 @@ from wheelrail.contact.models.lattice.influence.operator import antiderivatives,
 from wheelrail.contact.models.lattice.solver.factors import Factors
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import (
-    Evaluation,
     cell_frames,
     force_jumps,
     resultants,
     strip_grid,
 )
 from wheelrail.contact.models.lattice.system.equations import rigid_slip as rigid_slip_of
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem, Linearisation
 from wheelrail.contact.models.lattice.system.surface import GAUSS, crest_changes, frames
 from wheelrail.contact.solvers.tangent import co_moving_load
 from wheelrail.support.arrays import Array
@@ -50,10 +49,10 @@ class LatticeTangent:
     def matrix(self) -> Array:
         """Derivative (6, 12) of force and moment about the rail's origin."""
         problem, values = self.problem, self.solution.state.values
-        evaluation, jacobian, rho = problem.linearise(self.solution.state)
-        self.solution.factors = Factors.of(jacobian, rho)
+        linearisation = problem.linearise(self.solution.state)
+        self.solution.factors = Factors.of(linearisation)
         data = problem.of(self.solution.state.strips)
-        change = self.solution.factors.solve(self._by_pose(evaluation, rho))
+        change = self.solution.factors.solve(linearisation.jacobian, self._by_pose(linearisation))
         total = -resultant_slopes(values, data) @ change
         if problem.surface.revolves:  # the strips move with the wheel
             total[:, :6] += co_moving_load(resultants(values, data), problem.pose.origin)
@@ -70,7 +69,7 @@ class LatticeTangent:
             total += 0.5 * at.depth.reshape(total.shape)
         return total
 
-    def _by_pose(self, evaluation: Evaluation, rho: Array) -> Array:
+    def _by_pose(self, at: Linearisation) -> Array:
         """Derivative (n, CHANGES) of the residual at fixed unknowns."""
         problem, state = self.problem, self.solution.state
         S, block = state.values.shape
@@ -85,7 +84,7 @@ class LatticeTangent:
             rigid, _ = rigid_slip_of(state.values, problem.of(state.strips))
             creep = (shift - rigid[..., None] * speed) / problem.speed
             creep[..., :6] += slips
-            D = problem.friction_slopes(state, evaluation, rho)
+            D = at.slopes
             by_slip = D[:, :, 4:8].reshape(S, M, 2, 2)
             rows = np.einsum("srab,sbrj->sarj", by_slip, creep)
             rows += D[:, :, 10:].transpose(0, 2, 1)[..., None] * speed

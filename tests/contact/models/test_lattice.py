@@ -25,9 +25,11 @@ from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
+from wheelrail.contact.models.lattice.solver.factors import Factors
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.equations import rigid_slip
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.solver.renewal import renewed
+from wheelrail.contact.models.lattice.system.equations import Evaluation, friction_rows, linearise, rigid_slip
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem, Linearisation
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -113,7 +115,8 @@ def test_jacobian_of_all_unknowns(y: str, friction: float) -> None:
     scale = np.ones(found.values.shape) * 1e6
     scale[:, -2:] = 1e-6
     at = LatticeState(found.strips, found.values + scale * random.standard_normal(scale.shape))
-    _, jacobian, rho = problem.linearise(at)
+    linearisation = problem.linearise(at)
+    jacobian, rho = linearisation.jacobian, linearisation.rho
     direction = (scale * random.standard_normal(scale.shape)).ravel()
     step = 1e-3
     ahead, behind = (
@@ -328,7 +331,7 @@ def test_memory_and_time_are_told_before_or_refused(
     assert not caplog.messages
     contact._check_size(64)
     (message,) = caplog.messages
-    assert message.startswith("64 strips, 64 cells along each: 8512 unknowns: 1.7 GB, about ")
+    assert message.startswith("64 strips, 64 cells along each: 8512 unknowns: 1.2 GB, about ")
     monkeypatch.setattr("os.sysconf", lambda name: 1)  # a machine of one byte
     with pytest.raises(TooLarge, match="strips, 64 cells along each"):
         contact(hertz_pose(exact().approach), flowing(1e-3), None)
@@ -373,7 +376,7 @@ def finer(model: Any) -> LatticeContact:
     return replace(model, resolution=LatticeResolution(24, 20))
 
 
-@pytest.mark.parametrize("damaged", ["pivots", "lu", "rho", "block"])
+@pytest.mark.parametrize("damaged", ["pivots", "lu", "rho", "slips", "slopes", "gather", "double", "block"])
 def test_a_warm_start_that_does_not_fit_is_not_used(damaged: str) -> None:
     """As from a file that somebody has changed: compiled code reads the factors without looking at their sizes."""
     contact = ellipse(0.3)
@@ -388,11 +391,88 @@ def test_a_warm_start_that_does_not_fit_is_not_used(damaged: str) -> None:
         factors = factors._replace(lu=factors.lu[:5, :5].copy())
     elif damaged == "rho":
         factors = factors._replace(rho=factors.rho[:1])
+    elif damaged == "slips":
+        factors = factors._replace(slips=factors.slips[:, 1:].copy())
+    elif damaged == "slopes":
+        factors = factors._replace(slopes=factors.slopes[:1])
+    elif damaged == "gather":
+        factors = factors._replace(gather=np.zeros((2, 5), dtype=np.float32))
+    elif damaged == "double":
+        factors = factors._replace(lu=factors.lu.astype(float))  # type: ignore[arg-type]
     else:
         state = LatticeState(state.strips, state.values[:, 1:])
     result = contact(place, motion, ContactResult.guess(LatticeSolution(state, factors)))
     assert result.statistics.newton == cold.statistics.newton > 0
     np.testing.assert_array_equal(result.force, cold.force)
+
+
+@pytest.mark.parametrize("smallest", [1e-3, 1e-9])
+def test_solutions_are_refined_to_double_precision(smallest: float) -> None:
+    """Factors are in single precision, and solve nothing where the condition exceeds it."""
+    strips, block, cells = 3, 25, 10
+    n, random = strips * block, np.random.default_rng(1)
+    left, right = (np.linalg.qr(random.standard_normal((n, n)))[0] for _ in range(2))
+    scaled = left @ np.diag(np.geomspace(1.0, smallest, n)) @ right
+    slips, slopes = np.zeros((strips, 2 * cells, n), dtype=np.float32), np.zeros((strips, cells, 12))
+    evaluation = Evaluation(True, *(np.zeros(0),) * 6)
+    at = Linearisation(evaluation, np.eye(n), np.ones((strips, cells)), slips, slopes)
+    empty = Factors.of(at)
+    jacobian = scaled / (empty.rows[:, None] * empty.columns)
+    factors = Factors.of(at._replace(jacobian=jacobian))
+    expected = empty.columns[:, None] * random.standard_normal((n, 4))
+    found = factors.solve(jacobian, jacobian @ expected)
+    size = np.abs(expected / empty.columns[:, None]).max()
+    assert np.abs((found - expected) / empty.columns[:, None]).max() < 1e-14 / smallest * size
+
+
+@pytest.mark.parametrize("friction", [0.3, FallingFriction(0.3, 0.4, 0.3)])
+def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float | FrictionLaw) -> None:
+    """Against the Jacobian with the friction of these cells, twice in succession."""
+    contact = wheelset(friction)
+    assert isinstance(contact.model, LatticeContact)
+    place = rolling(-5e-3, -0.34e-3, creepage=5e-4)
+    at, problem = start(contact(place, "left")), contact.model.problem(*contact.mounting.left_pair(place))
+    linearisation, mean = problem.linearise(at), problem.basis.mean
+    factors = Factors.of(linearisation)
+    assert renewed(factors, linearisation.slopes, mean) is None
+    sticks = np.abs(linearisation.slopes[..., 8:10]).max(axis=-1) < 1e-6
+    assert sticks.any()
+    assert not sticks.all()
+    few = np.zeros_like(sticks)
+    few[sticks] = np.arange(sticks.sum()) < 3
+    few[~sticks] = np.arange((~sticks).sum()) < 2
+    others = np.argwhere(sticks)[-1], np.argwhere(~sticks)[-1]
+    for cells in (few, few & sticks):
+        slopes = linearisation.slopes.copy()
+        slopes[cells & sticks], slopes[cells & ~sticks] = (slopes[*other] for other in reversed(others))
+        present = renewed(factors, slopes, mean)
+        assert present is not None
+        assert len(present.gather) == 2 * cells.sum()
+        _, operator, _ = linearise(at.values, problem.of(at.strips))
+        friction_rows(operator, slopes, mean)
+        residual = np.random.default_rng(2).standard_normal(at.values.shape)
+        residual /= factors.rows.reshape(residual.shape)
+        expected = np.linalg.solve(operator, -residual.ravel()) / factors.columns
+        found, old = (used.step(residual).ravel() / factors.columns for used in (present, factors))
+        assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max() < np.abs(old - expected).max()
+        factors = present
+    few[:] = True
+    slopes[few & sticks], slopes[few & ~sticks] = (slopes[*other] for other in reversed(others))
+    assert renewed(factors, slopes, mean) is None
+
+
+def test_cells_that_begin_to_slip_need_no_jacobian() -> None:
+    contact = wheelset(0.3)
+    states = [rolling(-5e-3, -0.34e-3, creepage=creepage) for creepage in (3e-4, 5e-4)]
+    first = contact(states[0], "left")
+    warm, cold = contact(states[1], "left", first), contact(states[1], "left")
+    np.testing.assert_array_equal(start(warm).strips, start(cold).strips)
+    assert warm.statistics.newton == 0
+    np.testing.assert_allclose(warm.force, cold.force, atol=1e-6 * LOAD)
+    again = contact(states[1], "left", warm)  # from renewed factors
+    assert again.statistics.newton == 0
+    assert again.statistics.linear <= 2
+    np.testing.assert_allclose(again.force, cold.force, atol=1e-6 * LOAD)
 
 
 def test_falling_friction_reduces_the_force() -> None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.models.lattice.solver.factors import Factors, newton_step
-from wheelrail.contact.models.lattice.system.equations import EquationData, evaluate
+from wheelrail.contact.models.lattice.system.equations import EquationData, Evaluation, evaluate
 from wheelrail.contact.models.lattice.system.state import leaving, longest, moved, relative_size
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import compiled
@@ -25,6 +25,7 @@ class ChordState(NamedTuple):
         leaves: (S,) strips that leave by the next step.
         size: of the next step, relative; infinite where none could be evaluated.
         evaluations: of the residual.
+        evaluation: at the values, or at those before the last step.
     """
 
     converged: bool
@@ -32,6 +33,7 @@ class ChordState(NamedTuple):
     leaves: Mask
     size: float
     evaluations: int
+    evaluation: Evaluation
 
 
 @compiled
@@ -50,24 +52,26 @@ def chords(
     none = np.zeros(len(values), dtype=np.bool_)
     evaluation = evaluate(values, data, factors.rho)
     if not evaluation.inside:
-        return ChordState(False, values, none, np.inf, 1)
+        return ChordState(False, values, none, np.inf, 1, evaluation)
     step = newton_step(factors, solver, evaluation.residual)
     size, before = relative_size(values, step)
     if not size < farthest:
-        return ChordState(False, values, none, size, 1)
+        return ChordState(False, values, none, size, 1, evaluation)
     for k in range(STEPS):
         leaves = leaving(values, step, size)
         if longest(values, step) < 1.0 or leaves.any():
-            return ChordState(False, values, leaves, size, k + 1)
+            return ChordState(False, values, leaves, size, k + 1, evaluation)
         trial = moved(values, step, 1.0)
         if size < tolerance:
-            return ChordState(True, trial, none, size, k + 1)
-        evaluation = evaluate(trial, data, factors.rho)
-        if not evaluation.inside:
-            return ChordState(False, values, none, size, k + 2)
-        step = newton_step(factors, solver, evaluation.residual)
+            return ChordState(True, trial, none, size, k + 1, evaluation)
+        ahead = evaluate(trial, data, factors.rho)
+        if not ahead.inside:
+            return ChordState(False, values, none, size, k + 2, evaluation)
+        step = newton_step(factors, solver, ahead.residual)
         size, after = relative_size(trial, step)
+        if after < before:
+            values, evaluation = trial, ahead
         if not after < CONTRACTION * before:
-            return ChordState(False, trial if after < before else values, none, size, k + 2)
-        values, before = trial, after
-    return ChordState(False, values, none, size, STEPS + 1)
+            return ChordState(False, values, none, size, k + 2, evaluation)
+        before = after
+    return ChordState(False, values, none, size, STEPS + 1, evaluation)

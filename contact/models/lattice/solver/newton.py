@@ -12,6 +12,7 @@ from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.solver.chords import CONTRACTION, STEPS
 from wheelrail.contact.models.lattice.solver.entry import UNCERTAIN, entering
 from wheelrail.contact.models.lattice.solver.factors import Factors
+from wheelrail.contact.models.lattice.solver.renewal import renewed
 from wheelrail.contact.models.lattice.system.equations import Evaluation
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState, leaving, longest, relative_size
@@ -24,6 +25,7 @@ log = logging.getLogger(__name__)
 HALVINGS = 6  # of a step in the line search
 NEAR = 0.1  # step below which strips may enter
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
+RENEWED = 0.5  # of a step with renewed factors: largest following one with which they are renewed again
 RELEASES = 2  # times that such strips may enter again
 
 
@@ -43,7 +45,8 @@ class LatticeNewton:
         tolerance: of the last step relative to the largest pressure amplitude and half length.
         count: of iterations, updated: linearisations, and evaluations of the residual as linear iterations.
 
-    As long as steps with old factors contract, the Jacobian is kept.
+    As long as steps with old factors contract, the Jacobian is kept. Where they do not since cells have begun to slip
+    or to stick, the factors are renewed for these; otherwise the Jacobian is computed anew.
     """
 
     def __init__(self, problem: LatticeProblem, tolerance: float, count: IterationCount) -> None:
@@ -51,15 +54,28 @@ class LatticeNewton:
         self._left: dict[int, int] = {}
         self._releases = 0
 
-    def solve(self, state: LatticeState, iterations: int, farthest: float = np.inf) -> LatticeSolution:
-        """Solution from a state. Raises NotConverged, also if the first step exceeds farthest, and OutsideSurface."""
+    def solve(
+        self,
+        state: LatticeState,
+        iterations: int,
+        farthest: float = np.inf,
+        kept: tuple[Factors, Evaluation] | None = None,
+    ) -> LatticeSolution:
+        """Solution from a state.
+
+        Parameters:
+            state: strips and unknowns.
+            iterations: linearisations at most.
+            farthest: longest first step, relative.
+            kept: factors of an earlier state of the same strips, and the evaluation of this one with their rho.
+
+        Raises NotConverged, also if the first step exceeds farthest, and OutsideSurface.
+        """
         checked = False  # for strips that enter, since the last change of the set
         for iteration in range(iterations):
             check_interrupt()
-            evaluation, jacobian, rho = self.problem.linearise(state)
-            self.count.newton += 1
-            factors = Factors.of(jacobian, rho)
-            step = factors.solve(-evaluation.residual)
+            factors, evaluation, exact = self._linearised(state, kept)
+            step = factors.step(evaluation.residual)
             size, _ = relative_size(state.values, step)
             if not np.isfinite(size):
                 raise NotConverged("the step of the contact is not finite")
@@ -73,28 +89,50 @@ class LatticeNewton:
                 for strip in state.strips[~remains]:
                     self._left[int(strip)] = self._left.get(int(strip), 0) + 1
                 log.debug("strips %s leave", state.strips[~remains])
-                state, checked = state.at(remains), False
+                state, checked, kept = state.at(remains), False, None
                 continue
-            state, size, evaluation = self._moved(state, step, rho, factors, evaluation)
-            if size < self.tolerance or (size < NEAR and not checked):
+            before = size
+            state, step, contracts, evaluation = self._moved(state, step, factors, evaluation)
+            size, _ = relative_size(state.values, step)
+            kept = (factors, evaluation) if exact or size < RENEWED * before else None
+            converged = size < self.tolerance and (exact or contracts)
+            if converged:
+                state = state.moved(step, 1.0)
+            if converged or (size < NEAR and not checked):
                 grown = self._entered(state)
                 if grown is not None:
-                    state, checked = grown, False
-                elif size < self.tolerance:
+                    state, checked, kept = grown, False, None
+                elif converged:
                     grown = self._released(state)
                     if grown is None:
                         self.count.residual = size
                         return LatticeSolution(state, factors)
-                    state, checked = grown, False
+                    state, checked, kept = grown, False, None
                 else:
                     checked = True
         raise NotConverged(f"Newton's method did not converge in {iterations} iterations (last step {size:.1e})")
 
+    def _linearised(
+        self, state: LatticeState, kept: tuple[Factors, Evaluation] | None
+    ) -> tuple[Factors, Evaluation, bool]:
+        """Factors at a state, its evaluation, and whether they are those of its Jacobian; otherwise only the friction
+        of the cells is that of the state.
+        """
+        if kept is not None:
+            factors, evaluation = kept
+            slopes = self.problem.friction_slopes(state, evaluation, factors.rho)
+            present = renewed(factors, slopes, self.problem.basis.mean)
+            if present is not None:
+                return present, evaluation, False
+        linearisation = self.problem.linearise(state)
+        self.count.newton += 1
+        return Factors.of(linearisation), linearisation.evaluation, True
+
     def _moved(
-        self, state: LatticeState, step: Array, rho: Array, factors: Factors, evaluation: Evaluation
-    ) -> tuple[LatticeState, float, Evaluation]:
-        """State after a step and further ones with the same factors while they contract; size of the next one, and the
-        evaluation. Raises OutsideSurface.
+        self, state: LatticeState, step: Array, factors: Factors, evaluation: Evaluation
+    ) -> tuple[LatticeState, Array, bool, Evaluation]:
+        """State after a step and further ones with the same factors while they contract; the next one, whether it
+        contracts, and the evaluation. Raises OutsideSurface.
 
         Affine-invariant line search: Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 3.3.
         """
@@ -106,11 +144,11 @@ class LatticeNewton:
                 trial = state.moved(step, factor)
                 self.count.linear += 1
                 try:
-                    evaluation = self.problem.evaluate(trial, rho)
+                    evaluation = self.problem.evaluate(trial, factors.rho)
                 except OutsideSurface:
                     factor *= 0.5
                     continue
-                following = factors.solve(-evaluation.residual)
+                following = factors.step(evaluation.residual)
                 _, after = relative_size(state.values, following)
                 if best is None or after < best[0]:
                     best = after, trial, following, evaluation
@@ -121,11 +159,12 @@ class LatticeNewton:
                 raise OutsideSurface(TOO_LONG)
             after, state, step, evaluation = best
             size, _ = relative_size(state.values, step)
-            if size < self.tolerance or factor < 1.0 or not after < CONTRACTION * before:
+            contracts = factor == 1.0 and after < CONTRACTION * before
+            if size < self.tolerance or not contracts:
                 break
             if leaving(state.values, step, size).any():
                 break
-        return state, size, evaluation
+        return state, step, contracts, evaluation
 
     def _released(self, state: LatticeState) -> LatticeState | None:
         """The state with strips that enter although they had left too often; None without any.

@@ -19,7 +19,7 @@ from wheelrail.contact.models.lattice.system.surface import (
     penetration,
     rigid_shift,
 )
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array, Nodes, Single
 from wheelrail.support.compiled import compiled
 
 
@@ -292,6 +292,18 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Arr
                     A[i * block + a * M + r, last - 2] += evaluation.rigid_slope[i, a, r] * (1.0 - mark)
                     A[i * block + a * M + r, last - 1] += evaluation.rigid_slope[i, a, r] * mark
     return Evaluation(inside and evaluation.inside, *evaluation[1:]), A, rho
+
+
+@compiled
+def slip_rows(A: Array, strips: int, cells: int) -> Single:
+    """Rows (S, 2 M, n) of the slips of an operator (n, n); M = 0 without tractions."""
+    block = len(A) // strips
+    rows = np.empty((strips, 2 * cells, len(A)), dtype=np.float32)
+    for i in range(strips):
+        for r in range(2 * cells):
+            for c in range(len(A)):
+                rows[i, r, c] = A[i * block + r, c]
+    return rows
 
 
 @compiled

@@ -1,0 +1,84 @@
+"""Factors for cells that have begun to slip or to stick: a change of the Jacobian of low rank.
+
+Most Jacobians that are no longer close enough differ in the friction of a few cells, whose rows are linear in the slips
+and in the slopes of the law: J = J0 + E W, where E picks the rows of these cells, and (Sherman, Morrison, Woodbury)
+
+J^-1 = J0^-1 - Z (1 + W Z)^-1 W J0^-1,  Z = J0^-1 E.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg as la
+
+from wheelrail.contact.models.lattice.solver.chords import CONTRACTION
+from wheelrail.contact.models.lattice.solver.factors import Factors
+from wheelrail.support.arrays import Array, Nodes, Single
+from wheelrail.support.compiled import compiled
+
+CHANGED = CONTRACTION  # of the slopes of a cell, without dimension: with smaller changes steps contract
+LARGEST = 0.2  # rank over unknowns: of higher ones, new factors take less time
+
+
+def renewed(factors: Factors, slopes: Array, mean: Array) -> Factors | None:
+    """Factors with the present slopes of the friction residual; None where those of no cell have changed since the
+    latest ones, or those of too many since the Jacobian.
+
+    Parameters:
+        factors: of an earlier state of the same strips.
+        slopes: (S, M, 12), at the present state.
+        mean: (M, modes), means of the pressure modes over the cells.
+    """
+    if not len(changed_cells(factors.present, slopes, factors.rho)):
+        return None
+    cells = changed_cells(factors.slopes, slopes, factors.rho)
+    n, rank = len(factors.rows), 2 * len(cells)
+    if rank > LARGEST * n:
+        return None
+    change, picked = row_changes(factors, slopes, mean, cells)
+    spread, _ = la.lapack.sgetrs(factors.lu.T, factors.pivots - 1, picked, trans=1, overwrite_b=1)
+    gather = np.linalg.solve(np.eye(rank, dtype=np.float32) + change @ spread, change)
+    return factors._replace(present=slopes, spread=np.ascontiguousarray(spread), gather=gather)
+
+
+@compiled
+def changed_cells(before: Array, after: Array, rho: Array) -> Nodes:
+    """Numbers (k,) of the cells whose slopes (S, M, 12) have changed; rho (S, M) 1/Pa."""
+    S, M = rho.shape[0], before.shape[1]
+    changed = np.zeros(S * M, dtype=np.bool_)
+    for i in range(S):
+        for r in range(M):
+            for k in range(10):
+                size = abs(after[i, r, k] - before[i, r, k])
+                changed[i * M + r] |= (size * rho[i, r] if 4 <= k < 8 else size) > CHANGED
+    return np.flatnonzero(changed)
+
+
+@compiled
+def row_changes(factors: Factors, slopes: Array, mean: Array, cells: Nodes) -> tuple[Single, Single]:
+    """Changes (2 k, n) of the rows of some cells (k,) in the units of `Factors`, and the rows (n, 2 k) that change, by
+    columns.
+    """
+    S, M = factors.rho.shape
+    n = len(factors.rows)
+    block = n // S
+    change = np.zeros((2 * len(cells), n), dtype=np.float32)
+    picked = np.zeros((2 * len(cells), n), dtype=np.float32)
+    for k in range(len(cells)):
+        i, r = cells[k] // M, cells[k] % M
+        x = i * block + r
+        y = x + M
+        along, across = factors.slips[i, r], factors.slips[i, M + r]
+        for a in range(2):
+            row, d = change[2 * k + a], slopes[i, r] - factors.slopes[i, r]
+            scale = factors.rows[x]
+            first, second = np.float32(scale * d[4 + 2 * a]), np.float32(scale * d[5 + 2 * a])
+            for c in range(n):
+                row[c] = first * along[c] + second * across[c]
+            row[x] += scale * d[2 * a] * factors.columns[x]
+            row[y] += scale * d[2 * a + 1] * factors.columns[y]
+            for m in range(mean.shape[1]):
+                column = i * block + 2 * M + m
+                row[column] += scale * d[8 + a] * mean[r, m] * factors.columns[column]
+            picked[2 * k + a, x + a * M] = 1.0
+    return change, picked.T
