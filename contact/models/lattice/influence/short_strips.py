@@ -72,7 +72,8 @@ def split_table(
 @compiled
 def _boundaries(grid: StripGrid, j: int, basis: StripBasis) -> Array:
     """Boundaries (N + 1,) m of the split cells of a strip."""
-    return grid.x[j, 0] + grid.length[j] * basis.split_marks
+    edges: Array = grid.x[j, 0] + grid.length[j] * basis.split_marks
+    return edges
 
 
 @compiled
