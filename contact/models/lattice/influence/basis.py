@@ -21,6 +21,7 @@ MODES = 3  # as `vectors.products` takes; two are within 5e-5 of six in the forc
 MOMENTS = MODES + 2
 STATIONS = 6  # along a strip, at which the penetration is evaluated: it is nearly a parabola
 ORDER = 16  # of the Gauss rules below
+SPLIT = 4  # parts of a cell whose pressure displaces short strips
 
 
 Tangential = Literal["none", "rolling", "shift"]  # problem: none, steady rolling, one step of displacement from none
@@ -44,6 +45,9 @@ class StripBasis(NamedTuple):
         stations: (STATIONS,) places from 0 to 1 at which the penetration is evaluated.
         penetration: (MOMENTS, STATIONS) weights of the penetration there in its moments.
         cell_penetration: (M, STATIONS) the same in its means over the cells.
+        longest: length of the longest cell.
+        split_marks: (N + 1,) boundaries of the cells after each is split into `SPLIT`.
+        split_edges: (N + 1, MODES) jumps of the loads of these, less `load_edges`.
     """
 
     marks: Array
@@ -58,6 +62,9 @@ class StripBasis(NamedTuple):
     stations: Array
     penetration: Array
     cell_penetration: Array
+    longest: float
+    split_marks: Array
+    split_edges: Array
 
 
 @lru_cache(maxsize=16)
@@ -78,14 +85,9 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     """Basis for cell boundaries (M + 1,) from 0 to 1."""
     lead = edges[-1] - edges[-2]
     row_marks = np.concatenate([edges, 1.0 + lead * np.arange(1, AHEAD + 1)])
-    place, weight = roots_legendre(ORDER)
-    theta = np.arccos(np.clip(2 * edges - 1, -1.0, 1.0))
-    low, high = theta[1:], theta[:-1]
-    t = 0.5 * (high + low)[:, None] + 0.5 * (high - low)[:, None] * place
-    w = 0.5 * (high - low)[:, None] * weight
-    length = 2 * np.diff(edges)
-    mode, moment = np.arange(MODES), np.arange(MOMENTS)
-    mean = np.einsum("rg,rgm->rm", w * np.sin(t), np.sin((mode + 1) * t[..., None])) / length[:, None]
+    t, w = _angles(edges)
+    moment = np.arange(MOMENTS)
+    mean = _mode_means(edges)
     moments = np.einsum("rg,rgk->kr", w, np.cos(moment * t[..., None])) / np.pi
     middle = 0.5 * (row_marks[1:] + row_marks[:-1])
     stations = 0.5 - 0.5 * np.cos(np.pi * (np.arange(STATIONS) + 0.5) / STATIONS)
@@ -94,12 +96,16 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     here = np.outer([1.0, 0.0, 0.0], np.ones(len(edges) - 1))
     difference = here if shifts else np.stack(upstream(middle[None]))[:, 0]
     fixed, loads = np.ascontiguousarray, _loads(edges, mean)  # loops take addresses
+    load_edges = np.diff(loads, axis=0, prepend=0.0, append=0.0)
+    split = np.append((edges[:-1, None] + np.diff(edges)[:, None] * np.arange(SPLIT) / SPLIT).ravel(), 1.0)
+    split_edges = np.diff(_loads(split, _mode_means(split)), axis=0, prepend=0.0, append=0.0)
+    split_edges[::SPLIT] -= load_edges
     return StripBasis(
         edges,
         row_marks,
         fixed(mean),
         fixed(loads),
-        np.diff(loads, axis=0, prepend=0.0, append=0.0),
+        load_edges,
         fixed(moments),
         fixed(_edge_weights(moments / np.diff(edges))),
         fixed(_slip_edges(difference, np.diff(row_marks))),
@@ -107,7 +113,25 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
         stations,
         fixed(moments @ means),
         fixed(means),
+        float(np.diff(edges).max()),
+        split,
+        split_edges,
     )
+
+
+def _angles(edges: Array) -> tuple[Array, Array]:
+    """Places (M, ORDER) in all cells as angles, and weights of a rule of quadrature over these."""
+    place, weight = roots_legendre(ORDER)
+    theta = np.arccos(np.clip(2 * edges - 1, -1.0, 1.0))
+    low, high = theta[1:, None], theta[:-1, None]
+    return 0.5 * (high + low) + 0.5 * (high - low) * place, 0.5 * (high - low) * weight
+
+
+def _mode_means(edges: Array) -> Array:
+    """Means (M, MODES) of the pressure modes over the cells."""
+    t, w = _angles(edges)
+    means = np.einsum("rg,rgm->rm", w * np.sin(t), np.sin((np.arange(MODES) + 1) * t[..., None]))
+    return np.asarray(means / (2 * np.diff(edges)[:, None]))
 
 
 def _loads(edges: Array, mean: Array) -> Array:

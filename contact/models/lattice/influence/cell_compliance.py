@@ -8,6 +8,7 @@ from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import VECTOR, StripGrid, look_up
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.contact.models.lattice.influence.short_strips import share, split_table
 from wheelrail.contact.models.lattice.influence.vectors import products
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
@@ -74,15 +75,22 @@ def cell_operator(tables: PairTables, grid: StripGrid, basis: StripBasis, rolls:
 
 @compiled
 def normal_displacements(
-    tables: PairTables, strips: Nodes, edges: Array, grid: StripGrid, jumps: Array
+    tables: PairTables,
+    strips: Nodes,
+    middle: Array,
+    edges: Array,
+    grid: StripGrid,
+    jumps: Array,
+    split: Array,
+    basis: StripBasis,
 ) -> tuple[bool, Array]:
     """Relative normal displacement (n, C) m of cells with boundaries (n, C + 1) m on n unloaded strips.
 
     Parameters:
         tables: of the pairs of strips.
-        strips: (n,) numbers of the unloaded ones.
+        strips, middle: (n,) numbers of the unloaded ones, and m.
         edges: (n, C + 1) m, by length on the surface.
-        grid, jumps: of the loaded strips.
+        grid, jumps, split, basis: of the loaded strips, see `split_jumps`.
 
     The flag is False where distances exceed the tables.
     """
@@ -100,6 +108,20 @@ def normal_displacements(
             for r in range(C + 1):
                 products(start + VECTOR * r * (M + 1), VECTOR, loads, M + 1, out)
                 total = sums[2, NN] + sums[1, TN] - turn * (sums[0, XN] + sums[1, TN_TURN])
+                if r > 0:
+                    displacement[i, r - 1] += (total - before) / (edges[i, r] - edges[i, r - 1])
+                before = total
+            part, _, _ = share(0.0, grid.length[j], abs(middle[i] - grid.middle[j]), basis)
+            if part == 0.0:
+                continue
+            columns = grid.x[j, 0] + grid.length[j] * basis.split_marks
+            fine = np.empty((C + 1, len(columns), 8))
+            if not split_table(tables, strips[i], grid.strip[j], edges[i], columns, fine, None):
+                return False, displacement
+            for r in range(C + 1):
+                total = 0.0
+                for c in range(len(columns)):
+                    total += part * fine[r, c, NN] * split[j, c]
                 if r > 0:
                     displacement[i, r - 1] += (total - before) / (edges[i, r] - edges[i, r - 1])
                 before = total

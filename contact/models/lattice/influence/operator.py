@@ -39,6 +39,7 @@ class StripGrid(NamedTuple):
         length, width: (S,) m.
         stretch: (S,) length on the surface over length on the rolling circle.
         strip: (S,) numbers on the lattice.
+        middle: (S,) m, across.
     """
 
     x: Array
@@ -46,6 +47,7 @@ class StripGrid(NamedTuple):
     width: Array
     stretch: Array
     strip: Nodes
+    middle: Array
 
 
 @compiled

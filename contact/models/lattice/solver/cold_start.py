@@ -60,7 +60,7 @@ def _solved(
     stretch = problem.tables.stretch[strips]
     length = np.diff(ends)
     x = stretch[:, None] * (ends[:, :1] + length * basis.row_marks)
-    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch, strips)
+    grid = StripGrid(x, stretch * length[:, 0], problem.width[strips], stretch, strips, problem.middle[strips])
     inside, matrix = cell_operator(problem.pairs(strips), grid, basis, problem.rolls)
     if not inside:
         raise OutsideSurface(TOO_LONG)

@@ -117,7 +117,7 @@ def _pressed(problem: LatticeProblem, state: LatticeState, overlaps: Overlaps) -
         high = np.minimum(high + 0.5 * cut[:, 1] * length, problem.window[1])
     stretch = problem.tables.stretch[new]
     x = stretch[:, None] * (low[:, None] + (high - low)[:, None] * PROBES.row_marks)
-    grid = StripGrid(x, stretch * (high - low), problem.width[new], stretch, new)
+    grid = StripGrid(x, stretch * (high - low), problem.width[new], stretch, new, problem.middle[new])
     inside, matrix = cell_operator(problem.pairs(new), grid, PROBES, False)
     if not inside:
         raise OutsideSurface(TOO_LONG)

@@ -8,6 +8,7 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
+from wheelrail.contact.models.lattice.influence.short_strips import split_jumps
 from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.system.surface import GAUSS, ContactLines, penetration
 from wheelrail.support.arrays import Array, Mask, Nodes
@@ -57,22 +58,6 @@ class Probes(NamedTuple):
 
 
 @compiled
-def _displaced(
-    values: Array, data: EquationData, probes: Probes, basis: StripBasis, strips: Nodes, low: Array, high: Array
-) -> tuple[bool, Array]:
-    """Normal displacement (n, C) m of the cells of `excess`, and whether all distances lie in the tables."""
-    n, C = len(strips), len(basis.marks) - 1
-    edges = np.empty((n, C + 1))
-    for i in range(n):
-        for r in range(C + 1):
-            edges[i, r] = probes.stretch[strips[i]] * (low[i] + (high[i] - low[i]) * basis.marks[r])
-    grid = strip_grid(values, data.places, data.basis)
-    jumps = force_jumps(values, data.places, data.basis, data.motion.speed > 0.0)
-    inside, total = normal_displacements(data.tables, strips, edges, grid, jumps)
-    return inside, total
-
-
-@compiled
 def excess(
     values: Array, data: EquationData, probes: Probes, basis: StripBasis, strips: Nodes, low: Array, high: Array
 ) -> tuple[bool, Array]:
@@ -90,7 +75,16 @@ def excess(
                 at = (2 * i + g) * count + m
                 s[at] = probes.middle[k] + (2 * g - 1) * GAUSS * probes.width[k]
                 x[at] = low[i] + (high[i] - low[i]) * basis.stations[m]
-    inside, total = _displaced(values, data, probes, basis, strips, low, high)
+    edges = np.empty((n, C + 1))
+    for i in range(n):
+        for r in range(C + 1):
+            edges[i, r] = probes.stretch[strips[i]] * (low[i] + (high[i] - low[i]) * basis.marks[r])
+    grid, rolls = strip_grid(values, data.places, data.basis), motion.speed > 0.0
+    jumps = force_jumps(values, data.places, data.basis, rolls)
+    split = split_jumps(values, data.places.width, data.basis, rolls)
+    inside, total = normal_displacements(
+        data.tables, strips, probes.middle[strips], edges, grid, jumps, split, data.basis
+    )
     depth = penetration(data.surface, motion.origin, motion.rotation, s, x).depth
     for i in range(n):
         for r in range(C):
@@ -98,22 +92,6 @@ def excess(
                 total[i, r] += 0.5 * basis.cell_penetration[r, m % count] * depth[2 * i * count + m]
             if not np.isfinite(total[i, r]):
                 total[i, r] = -np.inf
-    return inside, total
-
-
-@compiled
-def _estimate(
-    values: Array, data: EquationData, probes: Probes, lines: ContactLines, strips: Nodes, low: Array, high: Array
-) -> tuple[bool, Array]:
-    """`excess` over the first cells with the parabola of the undeformed penetration at its largest one."""
-    marks = probes.first.marks
-    inside, total = _displaced(values, data, probes, probes.first, strips, low, high)
-    for i in range(len(strips)):
-        k, length = strips[i], high[i] - low[i]
-        for r in range(total.shape[1]):
-            first, last = low[i] + length * marks[r] - lines.x[k], low[i] + length * marks[r + 1] - lines.x[k]
-            square = (first * first + first * last + last * last) / 3.0  # mean over the cell
-            total[i, r] += lines.depth[k] - 0.5 * lines.curvature[k] * square
     return inside, total
 
 
@@ -154,7 +132,7 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
             middle = 0.5 * (values[near, last] + values[near, last - 1]) + along
             half = RANGE * max(0.5 * (values[near, last] - values[near, last - 1]), 0.1 * extent) + abs(along)
         low[k], high[k] = middle - half, middle + half
-    inside, first = _estimate(values, data, probes, lines, free, low, high)
+    inside, first = excess(values, data, probes, probes.first, free, low, high)
     close = np.zeros(n, dtype=np.bool_)
     place, highest = np.empty(n), np.empty(n)
     for k in range(n):

@@ -10,6 +10,11 @@ from wheelrail.contact.laws.residual_call import ResidualCode, friction_residual
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.contact.models.lattice.influence.short_strips import (
+    add_short_strips,
+    add_short_strips_derivative,
+    split_jumps,
+)
 from wheelrail.contact.models.lattice.system.surface import (
     GAUSS,
     Motion,
@@ -78,7 +83,7 @@ def strip_grid(values: Array, places: StripPlaces, basis: StripBasis) -> StripGr
         length[i] = places.stretch[i] * (high - low)
         for r in range(R):
             x[i, r] = places.stretch[i] * (low + (high - low) * basis.row_marks[r])
-    return StripGrid(x, length, places.width, places.stretch, places.strip)
+    return StripGrid(x, length, places.width, places.stretch, places.strip, places.middle)
 
 
 @compiled
@@ -243,6 +248,8 @@ def evaluate(values: Array, data: EquationData, rho: Array) -> Evaluation:
     grid = strip_grid(values, places, basis)
     jumps = force_jumps(values, places, basis, data.motion.speed > 0.0)
     inside, V = antiderivatives(data.tables, grid, jumps)
+    split = split_jumps(values, places.width, basis, data.motion.speed > 0.0)
+    inside = inside and add_short_strips(data.tables, grid, split, basis, V)
     evaluation = _assembled(values, V, grid, data)
     if data.motion.speed > 0.0:
         _add_friction(values, evaluation, rho, data)
@@ -273,6 +280,8 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Arr
     rolls = data.motion.speed > 0.0
     grid = strip_grid(values, places, basis)
     inside, A, V = operator(data.tables, grid, force_jumps(values, places, basis, rolls), basis, rolls)
+    split = split_jumps(values, places.width, basis, rolls)
+    inside = inside and add_short_strips_derivative(data.tables, grid, split, basis, rolls, A, V)
     rho = self_compliance(A, S, M) if rolls else np.zeros((S, M))
     evaluation = _assembled(values, V, grid, data)
     if rolls:
