@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from wheelrail.vehicle.integration.integrate import FirstStep, Step, StepSettings, integrate
 from wheelrail.vehicle.integration.problem import Forcing
@@ -99,3 +100,40 @@ def test_interpolation_follows_a_forcing() -> None:
     (x0, v0, _), (x, v, _) = motion(0.0), motion(0.13)
     step = Step(0.0, x0, Rate(v0), 0.13, x, Rate(v), 0.0, 0.1, motion)
     np.testing.assert_allclose(step.at(0.05), motion(0.05)[0], rtol=1e-12, atol=1e-15)
+
+
+def decaying(rate: float, error: float, end: float) -> list[Step[Rate]]:
+    """Steps of a pendulum x'' = -sin(x), and of a component that decays towards its angle from some error."""
+
+    def rhs(t: float, x: np.ndarray, previous: Rate | None) -> Rate:
+        return Rate(np.array([x[1], -np.sin(x[0]), -rate * (x[2] - x[0]) + x[1]]))
+
+    def jacobian(t: float, x: np.ndarray, at: Rate) -> VehicleLinearisation:
+        return VehicleLinearisation(
+            np.array([[0.0, 1.0, 0.0], [-np.cos(x[0]), 0.0, 0.0], [rate, 1.0, -rate]]), np.zeros(3)
+        )
+
+    settings, first = StepSettings("rosenbrock", 1.0, 1.0), FirstStep[Rate](length=end)
+    return list(integrate(rhs, 0.0, np.array([1.0, 0.0, 1.0 + error]), end, settings, jacobian=jacobian, first=first))
+
+
+def test_states_within_a_step_are_of_third_order() -> None:
+    errors = []
+    for h in (0.4, 0.2):
+        (step,) = decaying(1.0, 0.0, h)
+        exact = solve_ivp(lambda t, x: [x[1], -np.sin(x[0])], (0.0, 0.7 * h), [1.0, 0.0], rtol=1e-12, atol=1e-14).y[
+            :, -1
+        ]
+        errors.append(np.abs(step.at(0.7 * h)[:2] - exact).max())
+        np.testing.assert_allclose(step.at(h), step.x, rtol=1e-14, atol=1e-15)
+        np.testing.assert_allclose(step.at(0.0), step.x0, rtol=1e-14, atol=1e-15)
+    assert errors[0] > 12.0 * errors[1]
+
+
+def test_states_within_a_step_do_not_multiply_stiff_errors() -> None:
+    """As those of the spin of a wheelset, 1/ms; rates at both ends multiply them by some of the decays in a step."""
+    (step,) = decaying(1e3, 1e-6, 0.4)
+    by_rates = replace(step, within=None)
+    for states, least, largest in ((step, 0.0, 1e-6), (by_rates, 4e-5, 1e-3)):
+        inside = np.array([states.at(t) for t in np.linspace(0.05, 0.35, 7)])
+        assert least <= np.abs(inside[:, 2] - inside[:, 0]).max() <= largest
