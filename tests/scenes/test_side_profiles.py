@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from spring_contact import SpringContact
 import wheelrail as wr
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.solvers.tangent import ContactTangent
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.builders.wheelset import side_profiles, wheelset_contact
 from wheelrail.scenes.schema.errors import SceneError
@@ -113,8 +115,8 @@ def test_model_mounting_and_tangent_are_those_of_the_side(side: Side) -> None:
     result = contact(state, side)
     np.testing.assert_array_equal(result.force, alone(state, side).force)
     assert len(spring.poses) == (2 if side == "left" else 0)
-    tangent = np.random.default_rng(0).standard_normal((6, 12))
-    result = replace(result, force_tangent=lambda: tangent)
+    tangent = SimpleNamespace(matrix=np.random.default_rng(0).standard_normal((6, 12)))
+    result = replace(result, force_tangent=ContactTangent(tangent))
     np.testing.assert_array_equal(contact.tangent(state, side, result), alone.tangent(state, side, result))
 
 
