@@ -117,7 +117,7 @@ def decaying(rate: float, error: float, end: float) -> list[Step[Rate]]:
     return list(integrate(rhs, 0.0, np.array([1.0, 0.0, 1.0 + error]), end, settings, jacobian=jacobian, first=first))
 
 
-def test_states_within_a_step_are_of_third_order() -> None:
+def test_states_within_a_step_are_of_the_order_of_the_step() -> None:
     errors = []
     for h in (0.4, 0.2):
         (step,) = decaying(1.0, 0.0, h)
@@ -131,9 +131,9 @@ def test_states_within_a_step_are_of_third_order() -> None:
 
 
 def test_states_within_a_step_do_not_multiply_stiff_errors() -> None:
-    """As those of the spin of a wheelset, 1/ms; rates at both ends multiply them by some of the decays in a step."""
+    """As those of the spin of a wheelset, 1/ms; rates at both ends multiply them by a part of the decays in a step."""
     (step,) = decaying(1e3, 1e-6, 0.4)
-    by_rates = replace(step, within=None)
-    for states, least, largest in ((step, 0.0, 1e-6), (by_rates, 4e-5, 1e-3)):
+    by_rates = replace(step, damping=None)
+    for states, least, largest in ((step, 0.0, 2e-6), (by_rates, 4e-5, 1e-3)):
         inside = np.array([states.at(t) for t in np.linspace(0.05, 0.35, 7)])
         assert least <= np.abs(inside[:, 2] - inside[:, 0]).max() <= largest

@@ -9,7 +9,7 @@ from typing import Generic
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.integration.problem import E, RightHandSide, Within, require_finite
+from wheelrail.vehicle.integration.problem import Damping, E, RightHandSide, require_finite
 from wheelrail.vehicle.integration.step_control import StepStatistics
 
 
@@ -111,5 +111,5 @@ class ExplicitRungeKutta(Generic[E]):
         return None
 
     @property
-    def within(self) -> Within | None:
+    def damping(self) -> Damping | None:
         return None

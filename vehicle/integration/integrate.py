@@ -12,6 +12,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.explicit import METHODS as EXPLICIT
 from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
 from wheelrail.vehicle.integration.problem import (
+    Damping,
     E,
     Follow,
     Forcing,
@@ -19,7 +20,6 @@ from wheelrail.vehicle.integration.problem import (
     RightHandSide,
     StepFailure,
     StepMethod,
-    Within,
 )
 from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, ROSENBROCK4, RosenbrockPair, RosenbrockW
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
@@ -44,7 +44,7 @@ class Step(Generic[E]):
         error: estimated, in tolerances; of a step that was shortened to end at a given time, that of the full step.
         following: length of the next step, s.
         forcing: motion from which the difference is integrated; None: zero.
-        within: states at fractions of the step; None: by the rates at both ends.
+        damping: of stiff parts of changes within the step; None: of none.
     """
 
     t0: float
@@ -56,14 +56,12 @@ class Step(Generic[E]):
     error: float
     following: float
     forcing: Forcing | None = None
-    within: Within | None = None
+    damping: Damping | None = None
 
     def at(self, time: float) -> Array:
-        """State at a time s within the step, of the method or by cubic Hermite interpolation of the difference from the
-        forcing.
+        """State at a time s within the step, by cubic Hermite interpolation of the difference from the forcing, with
+        damped stiff parts of what is not linear.
         """
-        if self.within is not None:
-            return self.within((time - self.t0) / (self.t - self.t0))
         if self.forcing is None:
             return self._interpolated(time, self.start.rate, self.end.rate, self.x0, self.x)
         (p0, v0, _), (p1, v1, _) = self.forcing(self.t0), self.forcing(self.t)
@@ -74,7 +72,7 @@ class Step(Generic[E]):
         h = self.t - self.t0
         u = (time - self.t0) / h
         bow = (1 - 2 * u) * (x - x0) + h * ((u - 1) * rate0 + u * rate)
-        return np.asarray((1 - u) * x0 + u * x + u * (u - 1) * bow)
+        return np.asarray((1 - u) * x0 + u * x + u * (u - 1) * (bow if self.damping is None else self.damping(bow)))
 
 
 @dataclass(frozen=True)
@@ -213,7 +211,9 @@ def integrate(
             error, h = error * (proposed / h) ** k, proposed
         factor = control.factor(error, error_before, k)
         h = min(settings.max_step, h * (factor if first_trial else min(1.0, factor)))
-        step = Step(t, x, start, after, new, end, error, h, None if follow is None else follow(t, x), trial_step.within)
+        step = Step(
+            t, x, start, after, new, end, error, h, None if follow is None else follow(t, x), trial_step.damping
+        )
         t, x, start, error_before, first_trial, reason = after, new, end, error, True, None
         yield step
 

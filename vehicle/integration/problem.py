@@ -49,7 +49,7 @@ Linearise = Callable[[float, Array, E], HasDerivatives]
 Forcing = Callable[[float], Array]  # motion near the solution, and its first two derivatives by time: (3, n)
 
 
-Within = Callable[[float], Array]  # state (n,) at a fraction of a step
+Damping = Callable[[Array], Array]  # a change (n,) within a step without its stiff parts
 
 
 Follow = Callable[[float, Array], Forcing]  # the forcing of a step, by its start in time and state
@@ -61,7 +61,7 @@ class StepMethod(Protocol[E]):
 
     end: evaluation at the new state, and the error of the linearisation that it shows; None: no such error.
     outputs: derivatives (o, n), see `HasDerivatives`, at the start of the latest trial.
-    within: states within the latest trial; None: by the rates at both ends.
+    damping: of stiff parts, with the matrix of the latest trial; None: of explicit methods.
     """
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]: ...
@@ -72,7 +72,7 @@ class StepMethod(Protocol[E]):
     def outputs(self) -> Array | None: ...
 
     @property
-    def within(self) -> Within | None: ...
+    def damping(self) -> Damping | None: ...
 
 
 def require_finite(*arrays: Sequence[float] | Array) -> None:

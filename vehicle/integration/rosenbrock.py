@@ -12,18 +12,18 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import (
+    Damping,
     E,
     Follow,
     HasDerivatives,
     Linearise,
     RightHandSide,
-    Within,
     require_finite,
 )
 from wheelrail.vehicle.integration.step_control import StepStatistics
 
 Rows = tuple[tuple[float, ...], ...]
-WELL_CONDITIONED = 1e6  # condition numbers are below 1e3, or infinite but for round-off
+DAMPED = 3  # times that stiff parts of changes within a step are reduced: others change in the order of h^3
 
 
 @dataclass(frozen=True)
@@ -106,21 +106,6 @@ class RosenbrockCoefficients:
         """(2, s) weights of u in the solution and in its difference to the companion."""
         b, companion = np.array(self.weights), np.array(self.companion)
         return np.asarray(np.stack([b, b - companion]) @ self.inverse)
-
-    @cached_property
-    def dense(self) -> Array | None:
-        """(s, 3) weights of u by powers of the fraction of a step, states within it to third order with the exact
-        Jacobian; None where the conditions of order do not determine them.
-
-        With b(1) the weights of the solution, the conditions are those at its end times powers of the fraction.
-        """
-        ones, nodes = np.ones(self.stages), self.nodes
-        both = self.full_alpha + self.full_gamma
-        conditions = np.stack([ones, both @ ones, nodes**2, both @ (both @ ones)])
-        if self.stages != len(conditions) or np.linalg.cond(conditions) > WELL_CONDITIONED:
-            return None
-        powers = np.array([[1.0, 0.0, 0.0], [0.0, 1 / 2, 0.0], [0.0, 0.0, 1 / 3], [0.0, 0.0, 1 / 6]])
-        return np.asarray(self.inverse.T @ np.linalg.solve(conditions, powers))
 
     def damping(self, frequency: float, step: float) -> float:
         """Damping 1/s that the method adds to an undamped oscillation, with the exact Jacobian.
@@ -251,8 +236,8 @@ class RosenbrockW(Generic[E]):
 
     Of a stiffly accurate method, stiff parts of the difference to the companion, which is not, are reduced by
     (1 - h g A)^-1 to the size that they have in the solution (section IV.8 there), and the evaluation at the new state
-    shows the next step of Newton's method from the last stage to the solution. States within a step are sums of the
-    unknowns, too: rates at its ends would multiply stiff errors of these by the rate of their decay times the step.
+    shows the next step of Newton's method from the last stage to the solution. Rates at the ends of a step contain
+    stiff errors multiplied by their rate of decay: within the step they are damped, by 1 - (1 - (1 - h g A)^-1)^3.
     Raises ValueError without a jacobian.
     """
 
@@ -263,7 +248,7 @@ class RosenbrockW(Generic[E]):
     follow: Follow | None = None
     linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
     last_stage: LastStage | None = field(default=None, init=False)
-    within: Within | None = field(default=None, init=False)
+    damping: Damping | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         if self.jacobian is None:
@@ -286,14 +271,15 @@ class RosenbrockW(Generic[E]):
             unknowns[i] = solve(evaluation.rate - rate - coupling + h * method.sums[i] * by_time)
         increment, difference = method.ends @ unknowns
         require_finite(increment, difference)
-        self.last_stage, self.within = None, None
-        if linear.exact and (dense := method.dense) is not None:
+        self.last_stage = None
 
-            def within(fraction: float) -> Array:
-                weights = dense @ (fraction, fraction**2, fraction**3)
-                return np.asarray(x + moved(fraction * h)[0] + weights @ unknowns)
+        def damping(change: Array) -> Array:
+            left = change
+            for _ in range(DAMPED):
+                left = left - solve(left / (h * method.diagonal))
+            return np.asarray(change - left)
 
-            self.within = within
+        self.damping = damping
         if method.stiffly_accurate:
             difference = solve(difference / (h * method.diagonal))
             self.last_stage = LastStage(state, solve)
