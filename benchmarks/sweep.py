@@ -17,7 +17,8 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
 
@@ -55,14 +56,15 @@ class Sweep:
     Parameters:
         contact: of the wheelset.
         yaw: rad.
-        depth, slope: m and N/m, at the last position.
+        slope: N/m, of the force by the depth, at the last position.
+        path: the last positions and depths m, from which the next depth is extrapolated.
         last: result there, from which solves start.
     """
 
     contact: WheelsetContact
     yaw: float
-    depth: float = 0.0
     slope: float = 1e9
+    path: list[tuple[float, float]] = field(default_factory=list)
     last: ContactResult | None = None
 
     def solved(self, state: WheelsetState, guess: ContactResult | None) -> ContactResult:
@@ -75,34 +77,43 @@ class Sweep:
         rolling = SPEED / self.contact.mounting.radius
         return WheelsetState(y=y, z=-depth, yaw=self.yaw, speed=SPEED, pitch_rate=rolling)
 
-    def under_load(self, y: float) -> WheelsetState:
-        """State that carries the load, by secant steps within the bracket of depths. Raises Unsolved."""
+    def under_load(self, y: float) -> tuple[WheelsetState, ContactResult]:
+        """State that carries the load, by secant steps within the bracket of depths, and its result from those before.
+        Raises Unsolved.
+        """
         before: tuple[float, float] | None = None
         low, high = -np.inf, np.inf  # depths under too small and too large a force
-        result = self.last
+        depth, result = self._extrapolated(y), self.last
         for _ in range(SEARCH):
-            result = self.solved(self.at(y, self.depth), result)
+            result = self.solved(self.at(y, depth), result)
             force = float(result.force[2])
             if abs(force - LOAD) <= RTOL * LOAD:
-                return self.at(y, self.depth)
-            low, high = (max(low, self.depth), high) if force < LOAD else (low, min(high, self.depth))
-            if before is not None and abs(self.depth - before[0]) > 1e-10:
-                self.slope = max((force - before[1]) / (self.depth - before[0]), 1e7)
-            before = self.depth, force
-            self.depth += float(np.clip((LOAD - force) / self.slope, -RELEASE, DEEPER)) if force > 0 else DEEPER
-            if not low < self.depth < high:
-                self.depth = 0.5 * (low + high)
+                self.path = [*self.path[-2:], (y, depth)]
+                return self.at(y, depth), result
+            low, high = (max(low, depth), high) if force < LOAD else (low, min(high, depth))
+            if before is not None and abs(depth - before[0]) > 1e-10:
+                self.slope = max((force - before[1]) / (depth - before[0]), 1e7)
+            before = depth, force
+            depth += float(np.clip((LOAD - force) / self.slope, -RELEASE, DEEPER)) if force > 0 else DEEPER
+            if not low < depth < high:
+                depth = 0.5 * (low + high)
         raise Unsolved(f"y = {1e3 * y:.3f} mm: {LOAD:g} N not reached in {SEARCH} solves, {force:.0f} N at the last")
 
+    def _extrapolated(self, y: float) -> float:
+        """Depth m at a position, of the polynomial through those of the last ones."""
+        return sum(
+            depth * math.prod((y - other) / (own - other) for other, _ in self.path if other != own)
+            for own, depth in self.path
+        )
+
     def position(self, y: float) -> tuple[WheelsetState, ContactResult, float]:
-        """State under the load at y m, result from no earlier one, and the largest difference to that from the position
-        before, N (moments over the radius). Raises Unsolved.
+        """State under the load at y m, result from no earlier one, and the largest difference to that from earlier
+        ones, N (moments over the radius). Raises Unsolved.
         """
-        state = self.under_load(y)
+        state, warm = self.under_load(y)
         cold = self.solved(state, None)
-        warm = cold if self.last is None else self.solved(state, self.last)
-        self.last = cold
         difference = np.abs(_wrench(warm) - _wrench(cold)) / np.repeat([1.0, self.contact.mounting.radius], 3)
+        self.last = cold
         return state, cold, float(difference.max())
 
     def tangent_errors(self, state: WheelsetState, result: ContactResult) -> list[float]:
@@ -145,6 +156,7 @@ class Record:
 
     Parameters:
         wrench: (m, 6) N and N m, NaN where there is no solution.
+        height: (m,) m, of the wheelset, NaN likewise.
         patches: their numbers.
         difference: of warm and cold solves, N.
         seconds: of each position.
@@ -153,6 +165,7 @@ class Record:
     """
 
     wrench: Array
+    height: Array
     patches: list[int]
     difference: list[float]
     seconds: list[float]
@@ -162,13 +175,14 @@ class Record:
 
 def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int) -> Record:
     """Results at positions (m,) m with a yaw angle rad, tangents at every n-th (0: none)."""
-    run, record = Sweep(contact, yaw), Record(np.full((len(positions), 6), np.nan), [], [], [], [], [])
+    m = len(positions)
+    run, record = Sweep(contact, yaw), Record(np.full((m, 6), np.nan), np.full(m, np.nan), [], [], [], [], [])
     start = perf_counter()
     for i, y in enumerate(positions.tolist()):
         began = perf_counter()
         try:
             state, result, difference = run.position(y)
-            record.wrench[i] = _wrench(result)
+            record.wrench[i], record.height[i] = _wrench(result), state.z
             record.patches.append(len(result.patches))
             record.difference.append(difference)
             if tangents and i % tangents == 0:
@@ -268,7 +282,10 @@ def main() -> None:
     scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD
     second = report(record, positions, scale)
     if arguments.json:
-        table = {"columns": ["y", *NAMES], "rows": np.column_stack([positions, record.wrench]).tolist()}
+        table = {
+            "columns": ["y", "z", *NAMES],
+            "rows": np.column_stack([positions, record.height, record.wrench]).tolist(),
+        }
         arguments.json.write_text(json.dumps(table | {"unsolved": record.unsolved, "tangents": record.tangents}))
     if arguments.picture:
         picture(arguments.picture, positions, record.wrench, second)
