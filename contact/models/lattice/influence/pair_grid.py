@@ -27,8 +27,8 @@ TO_POWERS = np.linalg.inv(np.vander(lobatto(DEGREE + 1), increasing=True))
 
 
 def _slope_changes() -> Array:
-    """Powers (2, DEGREE + 1) of polynomials that are zero at both ends and at the middle nodes, with slopes 1 and 0, and
-    0 and 1, at the ends.
+    """Powers (2, DEGREE + 1) of polynomials that are zero at both ends and at the middle nodes, with slopes 1 and 0 at
+    the ends, and 0 and 1.
     """
     nodes = lobatto(DEGREE + 1)
     kept = np.poly1d(nodes[[0, 2, 3, 5]], r=True)
@@ -96,7 +96,7 @@ class PairGrid:
         return np.asarray(((z - 1) * self.start).ravel())
 
     def coefficients(self, samples: Array, *, even: bool) -> Array:
-        """Coefficients (n, DEGREE + 1, m) from samples (n (DEGREE + 1), m) at `x` of functions of x, all even or odd."""
+        """Coefficients (n, DEGREE + 1, m) from samples (n (DEGREE + 1), m) at `x` of even or odd functions."""
         by_cell = samples.reshape(len(self.lower), DEGREE + 1, -1)
         values = np.asarray(TO_POWERS @ by_cell / self.width[:, None, None] ** np.arange(DEGREE + 1)[:, None])
         join_cells(values, self.width, values.shape[-1] if even else 0)
