@@ -7,10 +7,10 @@ One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 
 every force and moment, relative to the load (moments: to the load on one nominal radius): the largest change between
 positions; the largest second difference, that over eight times the distance divided by 64 (the curvature of the
 function), and the largest ratio of the former to three times the latter nearby plus 2e-5 of the load; the largest
-difference between solves that start from the result of the position before and from none; and, at every n-th position,
-the largest error of the tangent over the largest entry of its row, against central differences, and against differences
-of second order to that side of a coordinate where it is smaller: where a cell starts to slide or a strip comes or goes
-the force has a kink, and one of its slopes is the tangent.
+difference between solves that start from earlier results and from none; and, at every n-th position, changes of force
+and moment over some distances to either side along every coordinate, against the integral of the tangent between, over
+the largest entry of its row: apart where no strip comes or goes and no cell begins or ends to stick between, as the
+force has a kink where one does.
 """
 
 from __future__ import annotations
@@ -21,14 +21,17 @@ import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
+from scipy.special import roots_legendre
 
 from benchmarks.common.machine import machine_description
 from benchmarks.common.models import STEEL, PairTrack, wheelset_model
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
@@ -41,7 +44,8 @@ SEARCH = 60  # solves for the depth under the load
 DEEPER, RELEASE = 2e-5, 1e-4  # m, largest steps of the depth: on a flange the force grows within micrometres
 WIDE = 8  # distance of the differences from which the curvature is taken, in steps
 ALLOWED = 2e-5  # of the load
-DISTANCES = 2e-8, 2e-7, 2e-6  # m and rad, of the differences of the tangent
+DISTANCES = 2e-7, 2e-6  # m and rad, over which the tangent is integrated
+PLACES, WEIGHTS = roots_legendre(4)
 RATES = SPEED  # m/s and rad/s over m and rad in them: equal creepages
 
 
@@ -116,34 +120,55 @@ class Sweep:
         self.last = cold
         return state, cold, float(difference.max())
 
-    def tangent_errors(self, state: WheelsetState, result: ContactResult) -> list[float]:
-        """Largest errors of the tangent over the largest entry of its row, pose and rates apart: against central
-        differences, then against one-sided ones, by `DISTANCES`. Raises Unsolved.
-        """
-        tangent = self.contact.tangent(state, "left", result)
+    def tangent_errors(self, y: float, state: WheelsetState, result: ContactResult) -> list[TangentError]:
+        """Errors of the tangent near a state at y m along all coordinates. Raises Unsolved."""
+        tangent, here = self.contact.tangent(state, "left", result), _wrench(result)
+        before, errors = _regime(result), []
         rates = np.array([name.endswith("rate") for name in state.coordinates])
-        here = _wrench(self.solved(state, result))
-        central, one_sided = [], []
-        for distance in DISTANCES:
-            differences = np.empty((3, *tangent.shape))  # central, behind and ahead
-            for k, name in enumerate(state.coordinates):
-                h = distance * (RATES if rates[k] else 1.0)
-                two_behind, behind, ahead, two_ahead = (
-                    _wrench(self.solved(replace(state, **{name: getattr(state, name) + n * h}), result))
-                    for n in (-2, -1, 1, 2)
-                )
-                differences[0, :, k] = (ahead - behind) / (2 * h)
-                differences[1, :, k] = (3 * here - 4 * behind + two_behind) / (2 * h)
-                differences[2, :, k] = (4 * ahead - 3 * here - two_ahead) / (2 * h)
-            error = np.zeros(differences.shape)
-            for own in (~rates, rates):
-                largest = np.abs(tangent[:, own]).max(axis=1, keepdims=True)
-                with np.errstate(invalid="ignore"):  # without friction nothing depends on velocities
-                    error[..., own] = np.nan_to_num(np.abs(differences - tangent)[..., own] / largest)
-            by_column = error.max(axis=1)
-            central.append(float(by_column[0].max()))
-            one_sided.append(float(by_column[1:].min(axis=0).max()))
-        return central + one_sided
+        for k, name in enumerate(state.coordinates):
+            own = rates if rates[k] else ~rates
+            largest = np.abs(tangent[:, own]).max(axis=1)
+            if not largest.any():  # without friction nothing depends on velocities
+                continue
+            for distance in DISTANCES:
+                for h in np.array([-distance, distance]) * (RATES if rates[k] else 1.0):
+                    mean, kinks = np.zeros(6), False
+                    for place, weight in zip([*(0.5 + 0.5 * PLACES), 1.0], [*(0.5 * WEIGHTS), 0.0], strict=True):
+                        ahead = replace(state, **{name: getattr(state, name) + place * h})
+                        found = self.solved(ahead, result)
+                        kinks = kinks or _regime(found) != before
+                        if weight:
+                            mean += weight * self.contact.tangent(ahead, "left", found)[:, k]
+                    off = np.abs((_wrench(found) - here) / h - mean)
+                    error = float((off[largest > 0] / largest[largest > 0]).max())
+                    errors.append(TangentError(y, name, distance, float(h), kinks, error))
+        return errors
+
+
+class TangentError(NamedTuple):
+    """Error of a tangent.
+
+    Parameters:
+        y: m, position.
+        coordinate: its name.
+        distance, change: m or rad, nominal, and the signed change of the coordinate.
+        kinks: whether strips come or go, or cells begin or end to stick, within it.
+        error: of the mean tangent, over the largest entry of a row.
+    """
+
+    y: float
+    coordinate: str
+    distance: float
+    change: float
+    kinks: bool
+    error: float
+
+
+def _regime(result: ContactResult) -> tuple[bytes, bytes]:
+    """Loaded strips and sticking cells: while they are the same, the force is smooth."""
+    assert isinstance(result.warm_start, LatticeSolution)
+    sticks = None if result.fields is None else result.fields.sticks
+    return result.warm_start.state.strips.tobytes(), b"" if sticks is None else sticks.tobytes()
 
 
 def _wrench(result: ContactResult) -> Array:
@@ -160,7 +185,7 @@ class Record:
         patches: their numbers.
         difference: of warm and cold solves, N.
         seconds: of each position.
-        tangents: positions m, and errors by `Sweep.tangent_errors`.
+        tangents: errors by `Sweep.tangent_errors`.
         unsolved: positions without a solution, and why.
     """
 
@@ -169,12 +194,12 @@ class Record:
     patches: list[int]
     difference: list[float]
     seconds: list[float]
-    tangents: list[tuple[float, ...]]
+    tangents: list[TangentError]
     unsolved: list[str]
 
 
 def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int) -> Record:
-    """Results at positions (m,) m with a yaw angle rad, tangents at every n-th (0: none)."""
+    """Results at positions (m,) m with a yaw angle rad, tangents at every n-th one (0: none)."""
     m = len(positions)
     run, record = Sweep(contact, yaw), Record(np.full((m, 6), np.nan), np.full(m, np.nan), [], [], [], [], [])
     start = perf_counter()
@@ -186,7 +211,7 @@ def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int)
             record.patches.append(len(result.patches))
             record.difference.append(difference)
             if tangents and i % tangents == 0:
-                record.tangents.append((y, *run.tangent_errors(state, result)))
+                record.tangents += run.tangent_errors(y, state, result)
         except Unsolved as error:
             record.unsolved.append(str(error))
             print(f"  {error}", flush=True)
@@ -235,22 +260,22 @@ def report(record: Record, positions: Array, scale: Array) -> Array:
     second, nearby, ratio = smoothness(relative)
     print("| | largest change % | second difference % | at y mm | curvature nearby % | ratio to the allowed |")
     print("|---|---|---|---|---|---|")
-    for k, name in enumerate(NAMES):
+    for k, name in enumerate(NAMES if len(positions) > 2 * WIDE else ()):
         i = int(np.nanargmax(ratio[:, k]))
         row = 100 * np.nanmax(change[:, k]), 100 * second[i, k], 1e3 * positions[i], 100 * nearby[i, k], ratio[i, k]
         print(f"| {name} | {row[0]:.4f} | {row[1]:.5f} | {row[2]:.3f} | {row[3]:.5f} | {row[4]:.2f} |")
     print(f"\npatches from {min(record.patches)} to {max(record.patches)}")
     print(f"{len(record.unsolved)} positions without a solution")
     print(f"warm and cold solves differ by at most {max(record.difference):.1e} N, {LOAD:g} N on the wheel")
-    if record.tangents:
-        values = np.array(record.tangents)
-        kinds = [(kind, distance) for kind in ("central", "one-sided") for distance in DISTANCES]
-        for k, (kind, distance) in enumerate(kinds, start=1):
-            at = values[values[:, k].argmax(), 0]
-            median, beyond = np.median(values[:, k]), np.count_nonzero(values[:, k] > 1e-4)
+    for distance in DISTANCES if record.tangents else ():
+        for kinks in (False, True):
+            found = [one for one in record.tangents if one.distance == distance and one.kinks == kinks]
+            worst = max(found, key=lambda one: one.error, default=None)
+            beyond = sum(one.error > 1e-4 for one in found)
+            where = "none" if worst is None else f"{worst.error:.1e} ({worst.coordinate}, y = {1e3 * worst.y:.3f} mm)"
             print(
-                f"tangents, {kind} differences over {distance:g} m: median {median:.1e}, largest "
-                f"{values[:, k].max():.1e} (y = {1e3 * at:.3f} mm), {beyond} of {len(values)} above 1e-4"
+                f"tangents over {distance:g} m, {'with' if kinks else 'without'} kinks: {len(found)} changes, largest "
+                f"error {where}, {beyond} above 1e-4"
             )
     print(f"{1e3 * np.median(record.seconds):.0f} ms a position, {sum(record.seconds):.0f} s in all")
     return second
