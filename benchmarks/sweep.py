@@ -7,27 +7,31 @@ One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 
 every force and moment, relative to the load (moments: to the load on one nominal radius): the largest change between
 positions; the largest second difference, that over eight times the distance divided by 64 (the curvature of the
 function), and the largest ratio of the former to three times the latter nearby plus 2e-5 of the load; the largest
-difference between solves that start from the result of the position before and from none; and, at every n-th position,
-the largest error of the tangent over the largest entry of its row, against central differences, and against differences
-of second order to that side of a coordinate where it is smaller: where a cell starts to slide or a strip comes or goes
-the force has a kink, and one of its slopes is the tangent.
+difference between solves that start from earlier results and from none; and, at every n-th position, changes of force
+and moment over some distances to either side along every coordinate, against the integral of the tangent between, over
+the largest entry of its row: apart where no strip comes or goes and no cell begins or ends to stick between, as the
+force has a kink where one does.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
+from scipy.special import roots_legendre
 
 from benchmarks.common.machine import machine_description
 from benchmarks.common.models import STEEL, PairTrack, wheelset_model
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
@@ -40,7 +44,8 @@ SEARCH = 60  # solves for the depth under the load
 DEEPER, RELEASE = 2e-5, 1e-4  # m, largest steps of the depth: on a flange the force grows within micrometres
 WIDE = 8  # distance of the differences from which the curvature is taken, in steps
 ALLOWED = 2e-5  # of the load
-DISTANCES = 2e-8, 2e-7, 2e-6  # m and rad, of the differences of the tangent
+DISTANCES = 2e-7, 2e-6  # m and rad, over which the tangent is integrated
+PLACES, WEIGHTS = roots_legendre(4)
 RATES = SPEED  # m/s and rad/s over m and rad in them: equal creepages
 
 
@@ -55,14 +60,15 @@ class Sweep:
     Parameters:
         contact: of the wheelset.
         yaw: rad.
-        depth, slope: m and N/m, at the last position.
+        slope: N/m, of the force by the depth, at the last position.
+        path: the last positions and depths m, from which the next depth is extrapolated.
         last: result there, from which solves start.
     """
 
     contact: WheelsetContact
     yaw: float
-    depth: float = 0.0
     slope: float = 1e9
+    path: list[tuple[float, float]] = field(default_factory=list)
     last: ContactResult | None = None
 
     def solved(self, state: WheelsetState, guess: ContactResult | None) -> ContactResult:
@@ -75,64 +81,94 @@ class Sweep:
         rolling = SPEED / self.contact.mounting.radius
         return WheelsetState(y=y, z=-depth, yaw=self.yaw, speed=SPEED, pitch_rate=rolling)
 
-    def under_load(self, y: float) -> WheelsetState:
-        """State that carries the load, by secant steps within the bracket of depths. Raises Unsolved."""
+    def under_load(self, y: float) -> tuple[WheelsetState, ContactResult]:
+        """State that carries the load, by secant steps within the bracket of depths, and its result from those before.
+        Raises Unsolved.
+        """
         before: tuple[float, float] | None = None
         low, high = -np.inf, np.inf  # depths under too small and too large a force
-        result = self.last
+        depth, result = self._extrapolated(y), self.last
         for _ in range(SEARCH):
-            result = self.solved(self.at(y, self.depth), result)
+            result = self.solved(self.at(y, depth), result)
             force = float(result.force[2])
             if abs(force - LOAD) <= RTOL * LOAD:
-                return self.at(y, self.depth)
-            low, high = (max(low, self.depth), high) if force < LOAD else (low, min(high, self.depth))
-            if before is not None and abs(self.depth - before[0]) > 1e-10:
-                self.slope = max((force - before[1]) / (self.depth - before[0]), 1e7)
-            before = self.depth, force
-            self.depth += float(np.clip((LOAD - force) / self.slope, -RELEASE, DEEPER)) if force > 0 else DEEPER
-            if not low < self.depth < high:
-                self.depth = 0.5 * (low + high)
+                self.path = [*self.path[-2:], (y, depth)]
+                return self.at(y, depth), result
+            low, high = (max(low, depth), high) if force < LOAD else (low, min(high, depth))
+            if before is not None and abs(depth - before[0]) > 1e-10:
+                self.slope = max((force - before[1]) / (depth - before[0]), 1e7)
+            before = depth, force
+            depth += float(np.clip((LOAD - force) / self.slope, -RELEASE, DEEPER)) if force > 0 else DEEPER
+            if not low < depth < high:
+                depth = 0.5 * (low + high)
         raise Unsolved(f"y = {1e3 * y:.3f} mm: {LOAD:g} N not reached in {SEARCH} solves, {force:.0f} N at the last")
 
+    def _extrapolated(self, y: float) -> float:
+        """Depth m at a position, of the polynomial through those of the last ones."""
+        return sum(
+            depth * math.prod((y - other) / (own - other) for other, _ in self.path if other != own)
+            for own, depth in self.path
+        )
+
     def position(self, y: float) -> tuple[WheelsetState, ContactResult, float]:
-        """State under the load at y m, result from no earlier one, and the largest difference to that from the position
-        before, N (moments over the radius). Raises Unsolved.
+        """State under the load at y m, result from no earlier one, and the largest difference to that from earlier
+        ones, N (moments over the radius). Raises Unsolved.
         """
-        state = self.under_load(y)
+        state, warm = self.under_load(y)
         cold = self.solved(state, None)
-        warm = cold if self.last is None else self.solved(state, self.last)
-        self.last = cold
         difference = np.abs(_wrench(warm) - _wrench(cold)) / np.repeat([1.0, self.contact.mounting.radius], 3)
+        self.last = cold
         return state, cold, float(difference.max())
 
-    def tangent_errors(self, state: WheelsetState, result: ContactResult) -> list[float]:
-        """Largest errors of the tangent over the largest entry of its row, pose and rates apart: against central
-        differences, then against one-sided ones, by `DISTANCES`. Raises Unsolved.
-        """
-        tangent = self.contact.tangent(state, "left", result)
+    def tangent_errors(self, y: float, state: WheelsetState, result: ContactResult) -> list[TangentError]:
+        """Errors of the tangent near a state at y m along all coordinates. Raises Unsolved."""
+        tangent, here = self.contact.tangent(state, "left", result), _wrench(result)
+        before, errors = _regime(result), []
         rates = np.array([name.endswith("rate") for name in state.coordinates])
-        here = _wrench(self.solved(state, result))
-        central, one_sided = [], []
-        for distance in DISTANCES:
-            differences = np.empty((3, *tangent.shape))  # central, behind and ahead
-            for k, name in enumerate(state.coordinates):
-                h = distance * (RATES if rates[k] else 1.0)
-                two_behind, behind, ahead, two_ahead = (
-                    _wrench(self.solved(replace(state, **{name: getattr(state, name) + n * h}), result))
-                    for n in (-2, -1, 1, 2)
-                )
-                differences[0, :, k] = (ahead - behind) / (2 * h)
-                differences[1, :, k] = (3 * here - 4 * behind + two_behind) / (2 * h)
-                differences[2, :, k] = (4 * ahead - 3 * here - two_ahead) / (2 * h)
-            error = np.zeros(differences.shape)
-            for own in (~rates, rates):
-                largest = np.abs(tangent[:, own]).max(axis=1, keepdims=True)
-                with np.errstate(invalid="ignore"):  # without friction nothing depends on velocities
-                    error[..., own] = np.nan_to_num(np.abs(differences - tangent)[..., own] / largest)
-            by_column = error.max(axis=1)
-            central.append(float(by_column[0].max()))
-            one_sided.append(float(by_column[1:].min(axis=0).max()))
-        return central + one_sided
+        for k, name in enumerate(state.coordinates):
+            own = rates if rates[k] else ~rates
+            largest = np.abs(tangent[:, own]).max(axis=1)
+            if not largest.any():  # without friction nothing depends on velocities
+                continue
+            for distance in DISTANCES:
+                for h in np.array([-distance, distance]) * (RATES if rates[k] else 1.0):
+                    mean, kinks = np.zeros(6), False
+                    for place, weight in zip([*(0.5 + 0.5 * PLACES), 1.0], [*(0.5 * WEIGHTS), 0.0], strict=True):
+                        ahead = replace(state, **{name: getattr(state, name) + place * h})
+                        found = self.solved(ahead, result)
+                        kinks = kinks or _regime(found) != before
+                        if weight:
+                            mean += weight * self.contact.tangent(ahead, "left", found)[:, k]
+                    off = np.abs((_wrench(found) - here) / h - mean)
+                    error = float((off[largest > 0] / largest[largest > 0]).max())
+                    errors.append(TangentError(y, name, distance, float(h), kinks, error))
+        return errors
+
+
+class TangentError(NamedTuple):
+    """Error of a tangent.
+
+    Parameters:
+        y: m, position.
+        coordinate: its name.
+        distance, change: m or rad, nominal, and the signed change of the coordinate.
+        kinks: whether strips come or go, or cells begin or end to stick, within it.
+        error: of the mean tangent, over the largest entry of a row.
+    """
+
+    y: float
+    coordinate: str
+    distance: float
+    change: float
+    kinks: bool
+    error: float
+
+
+def _regime(result: ContactResult) -> tuple[bytes, bytes]:
+    """Loaded strips and sticking cells: while they are the same, the force is smooth."""
+    assert isinstance(result.warm_start, LatticeSolution)
+    sticks = None if result.fields is None else result.fields.sticks
+    return result.warm_start.state.strips.tobytes(), b"" if sticks is None else sticks.tobytes()
 
 
 def _wrench(result: ContactResult) -> Array:
@@ -145,34 +181,37 @@ class Record:
 
     Parameters:
         wrench: (m, 6) N and N m, NaN where there is no solution.
+        height: (m,) m, of the wheelset, NaN likewise.
         patches: their numbers.
         difference: of warm and cold solves, N.
         seconds: of each position.
-        tangents: positions m, and errors by `Sweep.tangent_errors`.
+        tangents: errors by `Sweep.tangent_errors`.
         unsolved: positions without a solution, and why.
     """
 
     wrench: Array
+    height: Array
     patches: list[int]
     difference: list[float]
     seconds: list[float]
-    tangents: list[tuple[float, ...]]
+    tangents: list[TangentError]
     unsolved: list[str]
 
 
 def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int) -> Record:
-    """Results at positions (m,) m with a yaw angle rad, tangents at every n-th (0: none)."""
-    run, record = Sweep(contact, yaw), Record(np.full((len(positions), 6), np.nan), [], [], [], [], [])
+    """Results at positions (m,) m with a yaw angle rad, tangents at every n-th one (0: none)."""
+    m = len(positions)
+    run, record = Sweep(contact, yaw), Record(np.full((m, 6), np.nan), np.full(m, np.nan), [], [], [], [], [])
     start = perf_counter()
     for i, y in enumerate(positions.tolist()):
         began = perf_counter()
         try:
             state, result, difference = run.position(y)
-            record.wrench[i] = _wrench(result)
+            record.wrench[i], record.height[i] = _wrench(result), state.z
             record.patches.append(len(result.patches))
             record.difference.append(difference)
             if tangents and i % tangents == 0:
-                record.tangents.append((y, *run.tangent_errors(state, result)))
+                record.tangents += run.tangent_errors(y, state, result)
         except Unsolved as error:
             record.unsolved.append(str(error))
             print(f"  {error}", flush=True)
@@ -221,22 +260,22 @@ def report(record: Record, positions: Array, scale: Array) -> Array:
     second, nearby, ratio = smoothness(relative)
     print("| | largest change % | second difference % | at y mm | curvature nearby % | ratio to the allowed |")
     print("|---|---|---|---|---|---|")
-    for k, name in enumerate(NAMES):
+    for k, name in enumerate(NAMES if len(positions) > 2 * WIDE else ()):
         i = int(np.nanargmax(ratio[:, k]))
         row = 100 * np.nanmax(change[:, k]), 100 * second[i, k], 1e3 * positions[i], 100 * nearby[i, k], ratio[i, k]
         print(f"| {name} | {row[0]:.4f} | {row[1]:.5f} | {row[2]:.3f} | {row[3]:.5f} | {row[4]:.2f} |")
     print(f"\npatches from {min(record.patches)} to {max(record.patches)}")
     print(f"{len(record.unsolved)} positions without a solution")
     print(f"warm and cold solves differ by at most {max(record.difference):.1e} N, {LOAD:g} N on the wheel")
-    if record.tangents:
-        values = np.array(record.tangents)
-        kinds = [(kind, distance) for kind in ("central", "one-sided") for distance in DISTANCES]
-        for k, (kind, distance) in enumerate(kinds, start=1):
-            at = values[values[:, k].argmax(), 0]
-            median, beyond = np.median(values[:, k]), np.count_nonzero(values[:, k] > 1e-4)
+    for distance in DISTANCES if record.tangents else ():
+        for kinks in (False, True):
+            found = [one for one in record.tangents if one.distance == distance and one.kinks == kinks]
+            worst = max(found, key=lambda one: one.error, default=None)
+            beyond = sum(one.error > 1e-4 for one in found)
+            where = "none" if worst is None else f"{worst.error:.1e} ({worst.coordinate}, y = {1e3 * worst.y:.3f} mm)"
             print(
-                f"tangents, {kind} differences over {distance:g} m: median {median:.1e}, largest "
-                f"{values[:, k].max():.1e} (y = {1e3 * at:.3f} mm), {beyond} of {len(values)} above 1e-4"
+                f"tangents over {distance:g} m, {'with' if kinks else 'without'} kinks: {len(found)} changes, largest "
+                f"error {where}, {beyond} above 1e-4"
             )
     print(f"{1e3 * np.median(record.seconds):.0f} ms a position, {sum(record.seconds):.0f} s in all")
     return second
@@ -268,7 +307,10 @@ def main() -> None:
     scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD
     second = report(record, positions, scale)
     if arguments.json:
-        table = {"columns": ["y", *NAMES], "rows": np.column_stack([positions, record.wrench]).tolist()}
+        table = {
+            "columns": ["y", "z", *NAMES],
+            "rows": np.column_stack([positions, record.height, record.wrench]).tolist(),
+        }
         arguments.json.write_text(json.dumps(table | {"unsolved": record.unsolved, "tangents": record.tangents}))
     if arguments.picture:
         picture(arguments.picture, positions, record.wrench, second)

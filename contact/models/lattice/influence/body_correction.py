@@ -17,7 +17,7 @@ import numpy as np
 from wheelrail.contact.elasticity.half_space import cutoff_correction
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
-from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, COMPONENTS, DEGREE, REACH, PairGrid
+from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, CHANGES, COMPONENTS, DEGREE, REACH, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.cache import cached, digest
 from wheelrail.support.compiled import compiled
@@ -50,7 +50,10 @@ class BodyCorrection:
     def weights(self) -> tuple[Array, Array]:
         """Even and odd weights (cells (DEGREE + 1), nk) of the samples of the spectrum in the coefficients of G."""
         even, odd = antiderivative_weights(self.grid.x / self.body.unit, self.body.samples)
-        return self.grid.coefficients(even).reshape(even.shape), self.grid.coefficients(odd).reshape(odd.shape)
+        return (
+            self.grid.coefficients(even, even=True).reshape(even.shape),
+            self.grid.coefficients(odd, even=False).reshape(odd.shape),
+        )
 
     @cached_property
     def _coefficients(self) -> Array:
@@ -89,7 +92,7 @@ class BodyCorrection:
         spectrum = {"k": samples.k, "values": samples.values, "shift": samples.shift, "round": samples.round}
         surface = {"points": body.points, "arc": body.arc, "nu": body.nu, "radius": body.radius, "unit": body.unit}
         cells = START, CELLS, DEGREE, COMPONENTS, REACH, TILE
-        return digest(spectrum=spectrum, surface=surface, outward=self.outward, cells=cells)
+        return digest(spectrum=spectrum, surface=surface, outward=self.outward, cells=cells, joins=CHANGES)
 
     def _of_unit_modulus(self, rows: slice, columns: slice) -> Array:
         """Coefficients of a body whose scale and unit are 1."""
@@ -98,7 +101,7 @@ class BodyCorrection:
         even, odd = (np.moveaxis(part, -1, 2) for part in in_strip_axes(lines.even, lines.odd, row, column))
         values = np.concatenate([self.weights[0] @ even, self.weights[1] @ odd], axis=-1)
         far = self.grid.coefficients(
-            cutoff_correction(self.grid.x / self.body.unit, self.body._cutoff, self.body.nu)
+            cutoff_correction(self.grid.x / self.body.unit, self.body._cutoff, self.body.nu), even=True
         ).reshape(-1, 3)
         stretch = self.body._stretch(self.body.arc)
         mean_stretch = 0.5 * (stretch[rows, None] + stretch[columns])

@@ -12,6 +12,7 @@ from wheelrail.contact.models.lattice.influence.pair_grid import (
     CELLS,
     COMPONENTS,
     DEGREE,
+    EVEN,
     NN,
     REACH,
     ROLL,
@@ -22,6 +23,7 @@ from wheelrail.contact.models.lattice.influence.pair_grid import (
     XN,
     XT,
     XX,
+    join_cells,
     lobatto,
 )
 from wheelrail.support.arrays import Array, Nodes
@@ -156,9 +158,11 @@ def pair_coefficients(
     geometry, near, samples = np.empty(5), np.empty(6), np.zeros((DEGREE + 1, COMPONENTS))
     upper, lower, part = np.empty(COMPONENTS), np.empty(COMPONENTS), np.empty(COMPONENTS)
     integral, radial = 0.0, np.empty(DEGREE + 1)
+    widths = np.empty(len(values))
     for cell in range(len(values)):
         base = 2.0 ** (cell // CELLS)
         lower_z, width = base * (1.0 + (cell % CELLS) / CELLS), base / CELLS
+        widths[cell] = width
         for node in range(DEGREE + 1):
             x = (lower_z + width * NODES[node] - 1.0) * start
             pair_geometry(x, row, column, geometry)
@@ -188,6 +192,7 @@ def pair_coefficients(
                 for node in range(DEGREE + 1):
                     value += TO_POWERS[k, node] * samples[node, c]
                 values[cell, k, c] = value / width**k
+    join_cells(values, widths, EVEN)
 
 
 @compiled

@@ -283,6 +283,13 @@ def test_a_short_strip_beside_long_ones() -> None:
     np.testing.assert_allclose(again.force, result.force, rtol=0, atol=1e-8 * np.linalg.norm(result.force))
 
 
+@pytest.mark.parametrize(("friction", "y", "z"), [(0.3, 7.065e-3, 0.6495287656e-3), (0.0, 7.995e-3, 0.6863851278e-3)])
+def test_short_strips_at_a_small_tolerance(friction: float, y: float, z: float) -> None:
+    """Strips of 0.04 mm and more enter on a surface without steps."""
+    model = replace(pair(friction, "waveguide"), tolerance=1e-9)
+    assert model(*left(rolling(y, z, yaw=15e-3))).status == "converged"
+
+
 def test_penetration_far_from_the_largest_one() -> None:
     """0.3 um over 6 mm, 16 mm from where the undeformed surfaces penetrate most: that falls unlike a parabola there."""
     model, deeper, here = pair(0.3), rolling(7.305e-3, 2.386e-3, yaw=5e-3), rolling(7.305e-3, 2.391e-3, yaw=5e-3)
