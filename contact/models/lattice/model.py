@@ -159,7 +159,7 @@ class LatticeContact:
     def problem(self, pose: Pose, motion: RigidMotion) -> LatticeProblem:
         """Equations of a pose and motion."""
         law = CellFriction.of(self.laws) if self.laws.frictional else None
-        margin = MARGIN / 4**self.level  # depths are as the squares of widths
+        margin = MARGIN / 2**self.level  # the approach falls with the square of the width or, of long patches, less
         return LatticeProblem(self.surface, self.tables, self.basis, law, pose, motion, margin)
 
     def _solved(self, problem: LatticeProblem, guess: ContactResult | None) -> ContactResult:

@@ -129,7 +129,7 @@ def test_light_wheel(bodies: Bodies, place: tuple[float, float]) -> None:
         pose, motion = wheelset(0.3, bodies).mounting.left_pair(rolling(y, touching - depth, 5e-3, 1e-3))
         result, better = model(pose, motion), fine(pose, motion)
         seen.add(levels_of(result))
-        assert not any(patch.rough for patch in result.patches)
+        assert min(patch.strips for patch in result.patches) >= 4
         assert np.linalg.norm(result.force - better.force) < 0.01 * np.linalg.norm(better.force)
         tangent = result.tangent()
         for k in (1, 2):
