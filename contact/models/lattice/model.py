@@ -89,7 +89,7 @@ class LatticeContact:
         """Result of a pose and motion; the guess changes the number of iterations only."""
         problem = self.problem(pose, motion)
         shares = level_shares(problem, self.resolution.strips) if self.level == 0 else ORDINARY
-        result = self._solved(problem, guess) if shares is ORDINARY else self._on_levels(shares, problem, guess)
+        result = self.solve(problem, guess) if shares is ORDINARY else self._on_levels(shares, problem, guess)
         if not (self.estimate and result.patches):
             return result
         return replace(result, error_estimate=estimate(result, [model(pose, motion) for model in self.coarse]))
@@ -98,7 +98,7 @@ class LatticeContact:
         """Result of a narrow contact."""
         models = [self.on(level) for level in shares.levels]
         problems = [own.problem(problem.pose, problem.motion) if own is not self else problem for own in models]
-        results = [own._solved(at, guess) for own, at in zip(models, problems, strict=True)]
+        results = [own.solve(at, guess) for own, at in zip(models, problems, strict=True)]
         result = results[0] if len(results) == 1 else blended(results[0], results[1], shares)
         starts = [own.warm_start for own in results]
         solutions = tuple(start if isinstance(start, LatticeSolution) else None for start in starts)
@@ -162,7 +162,8 @@ class LatticeContact:
         margin = MARGIN / 2**self.level  # the approach falls with the square of the width or, of long patches, less
         return LatticeProblem(self.surface, self.tables, self.basis, law, pose, motion, margin)
 
-    def _solved(self, problem: LatticeProblem, guess: ContactResult | None) -> ContactResult:
+    def solve(self, problem: LatticeProblem, guess: ContactResult | None = None) -> ContactResult:
+        """Result of the equations on the strips of this level, however few of them are loaded."""
         start, count = perf_counter(), IterationCount()
         approach = problem.approach
         if approach <= 0:
