@@ -9,9 +9,12 @@ from benchmarks.stability.sample import SampledCase
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.lattice.influence.basis import equal_cells
+from wheelrail.contact.models.lattice.levels import LevelSolutions
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.solver.entry import remaining_penetration
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
@@ -97,9 +100,21 @@ def _strips(
     """Undeformed penetration m of cells, the mean over the widths of their strips by Simpson's rule, and the largest
     remaining penetration m of unloaded strips between the ends of their undeformed one; the former at the middles.
     """
-    assert isinstance(result.warm_start, LatticeSolution)
-    state = result.warm_start.state
-    problem = model.problem(pose, motion)
+    start = result.warm_start
+    levels = {0: start} if isinstance(start, LatticeSolution) else {}
+    if isinstance(start, LevelSolutions):
+        levels = dict(zip(start.levels, start.solutions, strict=True))
+    parts = [
+        _level(model.on(level).problem(pose, motion), solution.state)
+        for level, solution in levels.items()
+        if solution is not None
+    ]
+    depths, unloaded, at_middles = zip(*parts, strict=True)
+    return np.concatenate(depths), max(unloaded), np.concatenate(at_middles)
+
+
+def _level(problem: LatticeProblem, state: LatticeState) -> tuple[Array, float, Array]:
+    """Values of `_strips` on strips of one width."""
     x = (state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles).ravel()
     middle, width = (np.repeat(v[state.strips], problem.cells) for v in (problem.middle, problem.width))
     depth = sum(

@@ -22,7 +22,7 @@ from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile
 
-TWIN = LatticeResolution(32, 20)
+FINE = LatticeResolution(28, 24)  # twice the default
 LEAVES = "beyond the part of its surface"  # status of models when the contact leaves the meshed surface
 BETWEEN = "separated: the contact lies between the grid's points"
 EARLIER = ((3e-4, 1.0, 1.0), (3e-3, 0.3, -1.0))  # m aside, fraction of the load, of the creepages: warm starts
@@ -61,8 +61,8 @@ class SolveOutcome:
 
 
 def solve(case: SampledCase, *, twin: bool = False) -> SolveOutcome:
-    """Solves one case; strips again from earlier results, and if requested an independent twin: strips and cells twice
-    as fine on finer lines, or a grid of half the size.
+    """Solves one case; strips again from earlier results, and if requested a twin: strips and cells twice as fine on
+    the same bodies, or a grid of half the size.
     """
     try:
         depth = depth_for(case)
@@ -159,7 +159,7 @@ def twin_of(case: SampledCase) -> ContactModel:
     if not case.laws.exact_normal:
         grid: ContactModel = replace(_pair(case.rail, max(case.size / 2, SIZES[0]), True), laws=case.laws)
         return grid
-    model: ContactModel = replace(_pair(case.rail, SIZES[0], False), laws=case.laws, resolution=TWIN)
+    model: ContactModel = replace(_pair(case.rail, case.size, False), laws=case.laws, resolution=FINE)
     return model
 
 

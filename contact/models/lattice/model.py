@@ -15,9 +15,11 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.lattice.blend import blended
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
+from wheelrail.contact.models.lattice.levels import ORDINARY, LevelShares, LevelSolutions, level_shares
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.chords import chords
@@ -29,7 +31,7 @@ from wheelrail.contact.models.lattice.system.equations import Evaluation
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
-from wheelrail.contact.models.lattice.system.surface import SurfaceData, surface_data
+from wheelrail.contact.models.lattice.system.surface import MARGIN, SurfaceData, surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
@@ -61,6 +63,8 @@ class LatticeContact:
             error is about its square, with a kept one up to 0.4 of it, that of forces some 1e-7 at the default.
         estimate: results carry an error estimate, from two lattices of half the resolution.
         offset: of the lattice, in strips.
+        level: halvings of the strips' width, see `wheelrail.contact.models.lattice.levels`. Level 0, the model itself,
+            solves narrow contacts on its finer levels.
 
     The guess is an initial guess only: results do not depend on it. Raises ValueError for a penalty, whose pressure has
     no sharp ends, and for a friction law that depends on the slip velocity together with tangential = "shift".
@@ -73,6 +77,7 @@ class LatticeContact:
     tolerance: float = 1e-5
     estimate: bool = False
     offset: float = 0.0
+    level: int = 0
 
     def __post_init__(self) -> None:
         if not self.laws.exact_normal:
@@ -82,10 +87,36 @@ class LatticeContact:
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         """Result of a pose and motion; the guess changes the number of iterations only."""
-        result = self._solved(pose, motion, guess)
+        problem = self.problem(pose, motion)
+        shares = level_shares(problem, self.resolution.strips) if self.level == 0 else ORDINARY
+        result = self.solve(problem, guess) if shares is ORDINARY else self._on_levels(shares, problem, guess)
         if not (self.estimate and result.patches):
             return result
         return replace(result, error_estimate=estimate(result, [model(pose, motion) for model in self.coarse]))
+
+    def _on_levels(self, shares: LevelShares, problem: LatticeProblem, guess: ContactResult | None) -> ContactResult:
+        """Result of a narrow contact."""
+        models = [self.on(level) for level in shares.levels]
+        problems = [own.problem(problem.pose, problem.motion) if own is not self else problem for own in models]
+        results = [own.solve(at, guess) for own, at in zip(models, problems, strict=True)]
+        result = results[0] if len(results) == 1 else blended(results[0], results[1], shares)
+        starts = [own.warm_start for own in results]
+        solutions = tuple(start if isinstance(start, LatticeSolution) else None for start in starts)
+        return replace(result, warm_start=LevelSolutions(shares.levels, solutions))
+
+    def on(self, level: int) -> LatticeContact:
+        """The model on one level of its lattice alone, stored."""
+        if level == self.level:
+            return self
+        if level not in self._levels:
+            model = replace(self, level=level, estimate=False)
+            model.__dict__.update(_tables=self._tables, surface=self.surface, basis=self.basis)
+            self._levels[level] = model
+        return self._levels[level]
+
+    @cached_property
+    def _levels(self) -> dict[int, LatticeContact]:
+        return {}
 
     @cached_property
     def coarse(self) -> tuple[LatticeContact, LatticeContact]:
@@ -99,15 +130,22 @@ class LatticeContact:
         if not self.laws.frictional:
             return self
         model = replace(self, laws=ContactLaws(friction=0.0), estimate=False)
-        model.__dict__.update(tables=self.tables, surface=self.surface)
+        model.__dict__.update(_tables=self._tables, surface=self.surface)
         return model
 
-    @cached_property
+    @property
     def tables(self) -> LatticeTables:
         """Compliance of pairs of strips of the lattice."""
-        surfaces, upper = self.operators.surfaces, self.operators.upper
-        sides = lattice_sides(surfaces, upper.arc, self.resolution.strips, self.offset)
-        return LatticeTables(self.operators, sides, rolls=self.tangential == "rolling")
+        if self.level not in self._tables:
+            surfaces, upper = self.operators.surfaces, self.operators.upper
+            sides = lattice_sides(surfaces, upper.arc, self.resolution.strips * 2**self.level, self.offset)
+            self._tables[self.level] = LatticeTables(self.operators, sides, rolls=self.tangential == "rolling")
+        return self._tables[self.level]
+
+    @cached_property
+    def _tables(self) -> dict[int, LatticeTables]:
+        """Those of the levels that were needed."""
+        return {}
 
     @cached_property
     def surface(self) -> SurfaceData:
@@ -121,11 +159,12 @@ class LatticeContact:
     def problem(self, pose: Pose, motion: RigidMotion) -> LatticeProblem:
         """Equations of a pose and motion."""
         law = CellFriction.of(self.laws) if self.laws.frictional else None
-        return LatticeProblem(self.surface, self.tables, self.basis, law, pose, motion)
+        margin = MARGIN / 2**self.level  # the approach falls with the square of the width or, of long patches, less
+        return LatticeProblem(self.surface, self.tables, self.basis, law, pose, motion, margin)
 
-    def _solved(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None) -> ContactResult:
+    def solve(self, problem: LatticeProblem, guess: ContactResult | None = None) -> ContactResult:
+        """Result of the equations on the strips of this level, however few of them are loaded."""
         start, count = perf_counter(), IterationCount()
-        problem = self.problem(pose, motion)
         approach = problem.approach
         if approach <= 0:
             return ContactResult.failed(TOO_DEEP) if problem.too_deep else ContactResult.separated(approach)
@@ -151,6 +190,10 @@ class LatticeContact:
     ) -> LatticeSolution | None:
         """Solution from the strips of an earlier result; None where that is too far away."""
         earlier = None if guess is None else guess.warm_start
+        if isinstance(earlier, LevelSolutions):
+            earlier = earlier.on(self.level)
+        elif self.level > 0:
+            return None
         if not isinstance(earlier, LatticeSolution):
             return None
         if not earlier.factors.fit(earlier.state.values, self._block, self.resolution.cells):

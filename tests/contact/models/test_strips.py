@@ -187,7 +187,7 @@ def test_patches_say_when_their_strips_are_too_few() -> None:
     model = pair(resolution=LatticeResolution())
     for share, rough in ((1.0, False), (0.3, False), (0.05, True), (0.005, True)):
         depth = share * exact().approach
-        result = model(hertz_pose(depth), flowing(), None)
+        result = model.solve(model.problem(hertz_pose(depth), flowing()))  # on ordinary strips
         (patch,) = result.patches
         assert patch.strips == result.statistics.points / model.resolution.cells
         assert patch.rough == rough

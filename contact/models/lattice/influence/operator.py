@@ -61,10 +61,11 @@ def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: 
     farthest = max(abs(rows[0] - columns[-1]), abs(rows[-1] - columns[0]))
     far = (bits(farthest / SMOOTH_START + 1.0) >> SHIFT) - BIAS + 1  # cells up to there
     smooth = tables.values if whole else pair_mean(tables.smooth, tables.place[i], tables.place[j], far)
+    pair = tables.pair[i, j]
     start, last, inverse = (
-        tables.values.ctypes.data + BLOCK * tables.first[i, j],
-        tables.cells[i, j],
-        tables.inverse[i, j],
+        tables.values.ctypes.data + BLOCK * tables.first[pair],
+        tables.cells[pair],
+        tables.inverse[pair],
     )
     smooth_start, smooth_last, smooth_inverse = smooth.ctypes.data, len(smooth), 1.0 / SMOOTH_START
     to, wide = G.ctypes.data, G.shape[1]

@@ -25,6 +25,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
@@ -57,15 +58,17 @@ class PairTables(NamedTuple):
 
     Parameters:
         values: (cells, DEGREE + 1, COMPONENTS) m/N times m2, coefficients of powers of z minus the cell's lower bound.
-        first: (K, K) first cell of a pair.
-        cells: (K, K) its number of cells.
-        inverse: (K, K) 1/m, 1 / start.
+        pair: (K, K) number of a pair i <= j, 0 of those without tables.
+        first: (P,) first cell of a pair.
+        cells: (P,) its number of cells.
+        inverse: (P,) 1/m, 1 / start.
         place: (K,) place of the strips in smooth.
         smooth: deviation of the lower body from a half-space, in cells from
             `wheelrail.contact.models.lattice.influence.body_correction.START`; `NO_MEANS` where values contain it.
     """
 
     values: Array
+    pair: NDArray[np.int32]
     first: Nodes
     cells: Nodes
     inverse: Array
@@ -105,8 +108,9 @@ class LatticeTables:
         angle = np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
         self.strips = LatticeStrips(self.sides, angle, self.stretch)
         K = len(self.middle)
-        self._first, self._count = np.full((K, K), -1), np.zeros((K, K), dtype=int)
-        self._inverse = np.zeros((K, K))
+        # zeros take no memory until they are written: a lattice of narrow strips has thousands
+        self._pair = np.zeros((K, K), dtype=np.int32)
+        self._first, self._count, self._inverse = np.zeros(1, dtype=int), np.zeros(1, dtype=int), np.zeros(1)
         self._complete: set[bytes] = set()  # strips all of whose pairs have tables
 
     @cached_property
@@ -136,7 +140,7 @@ class LatticeTables:
         if key not in self._complete:
             self._add(strips)
             self._complete.add(key)
-        return PairTables(self._values, self._first, self._count, self._inverse, at.place, at.smooth)
+        return PairTables(self._values, self._pair, self._first, self._count, self._inverse, at.place, at.smooth)
 
     def at(self, strips: Nodes, feet: Array | None, reach: float) -> PoseMeans:
         """What the tables of some strips take from a pose.
@@ -205,9 +209,9 @@ class LatticeTables:
         K, cells = len(self.middle), len(body.grid.lower)
         place = np.zeros(K, dtype=int)
         place[strips] = np.arange(len(strips))
-        none = np.zeros((cells, DEGREE + 1, COMPONENTS))
-        first, count = np.zeros((K, K), dtype=int), np.full((K, K), cells)
-        return PairTables(none, first, count, np.full((K, K), 1 / START), place, smooth)
+        none, alike = np.zeros((cells, DEGREE + 1, COMPONENTS)), np.zeros((K, K), dtype=np.int32)
+        first, count, inverse = np.zeros(1, dtype=int), np.array([cells]), np.array([1 / START])
+        return PairTables(none, alike, first, count, inverse, place, smooth)
 
     def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> PairMeans:
         """Coefficients of a body's deviation, strips at middles (C,) m on it."""
@@ -223,7 +227,7 @@ class LatticeTables:
         """Add the tables that pairs of some strips (C,) lack."""
         first, second = np.triu_indices(len(strips))
         pairs = np.column_stack([strips[first], strips[second]])
-        pairs = pairs[self._first[pairs[:, 0], pairs[:, 1]] < 0]
+        pairs = pairs[self._pair[pairs[:, 0], pairs[:, 1]] == 0]
         if not len(pairs):
             return
         start = np.array([start_of(self.strips, i, j) for i, j in pairs.tolist()])
@@ -235,7 +239,10 @@ class LatticeTables:
             self._values = larger
         fill(self.strips, pairs, self._half_spaces, self._deviations(strips), bounds, self._values)
         i, j = pairs.T
-        self._first[i, j], self._count[i, j], self._inverse[i, j] = bounds[:-1], count, 1 / start
+        self._pair[i, j] = len(self._first) + np.arange(len(pairs))
+        self._first = np.concatenate([self._first, bounds[:-1]])
+        self._count = np.concatenate([self._count, count])
+        self._inverse = np.concatenate([self._inverse, 1 / start])
         self._used = int(bounds[-1])
 
     @cached_property

@@ -34,6 +34,7 @@ from wheelrail.contact.models.lattice.system.equations import (
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.lattice.system.surface import (
+    MARGIN,
     ContactLines,
     Motion,
     Penetration,
@@ -83,6 +84,7 @@ class LatticeProblem:
         basis: cells and modes of a strip.
         law: of friction; None without.
         pose, motion: of the bodies.
+        margin: m, largest gap that displacements may close.
     """
 
     surface: SurfaceData
@@ -91,6 +93,7 @@ class LatticeProblem:
     law: CellFriction | None
     pose: Pose
     motion: RigidMotion
+    margin: float = MARGIN
 
     @property
     def rolls(self) -> bool:
@@ -124,7 +127,9 @@ class LatticeProblem:
     @cached_property
     def lines(self) -> ContactLines:
         """Where the strips touch."""
-        return contact_lines(self.surface, motion_data(self.pose, self.motion, 1.0), self.middle, self.width)
+        return contact_lines(
+            self.surface, motion_data(self.pose, self.motion, 1.0), self.middle, self.width, self.margin
+        )
 
     @property
     def depth(self) -> Array:

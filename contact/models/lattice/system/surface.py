@@ -374,7 +374,7 @@ class ContactLines(NamedTuple):
         depth: (K,) m, penetration at their x, the mean over the width; -inf far from contact.
         x: (K,) m, its place along x.
         curvature: (K,) 1/m, relative curvature along x there.
-        foot: (K,) m, arc length of the closest points on the lower body; NaN where the gap exceeds `MARGIN`.
+        foot: (K,) m, arc length of the closest points on the lower body; NaN where the gap exceeds the margin.
         level: (K, 3) longitudinal axis.
         speed: m/s at which both materials flow backwards, the mean weighted by the squared penetration; 0 without
             penetration.
@@ -390,19 +390,19 @@ class ContactLines(NamedTuple):
 
 GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
 BETWEEN = 4  # strips between those at which the penetration is estimated first
-MARGIN = 3e-4  # m, by which it may be larger in between, and largest gap that displacements may close
+MARGIN = 3e-4  # m, by which it may be larger in between, and largest gap that displacements may close: ordinary strips
 
 
 @compiled
-def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Array) -> ContactLines:
-    """`ContactLines` of strips with middles and widths (K,) m."""
+def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Array, margin: float) -> ContactLines:
+    """`ContactLines` of strips with middles and widths (K,) m; margin m, largest gap between strips that matter."""
     K = len(middle)
     depth, x, curvature = np.full(K, -np.inf), np.zeros(K), np.ones(K)
     count = (K + BETWEEN - 2) // BETWEEN + 1
     probes = np.empty(count, dtype=np.int64)
     for k in range(count):
         probes[k] = min(k * BETWEEN, K - 1)
-    near = crests(surface, motion.origin, motion.rotation, middle[probes])[0].depth > -MARGIN
+    near = crests(surface, motion.origin, motion.rotation, middle[probes])[0].depth > -margin
     own = np.zeros(K, dtype=np.bool_)
     for k in range(count):
         if near[k]:
@@ -420,9 +420,9 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
         x[inside[k]], curvature[inside[k]] = crest[k], bend[k]
     foot, level = np.full(K, np.nan), np.zeros((K, 3))
     for k in range(len(inside)):
-        if depth[inside[k]] > -MARGIN:
+        if depth[inside[k]] > -margin:
             foot[inside[k]] = closest.foot[k]
-    touching = np.flatnonzero(depth > -MARGIN)
+    touching = np.flatnonzero(depth > -margin)
     s, along = middle[touching], x[touching]
     places = frames(surface, motion.origin, motion.rotation, s, along)
     flow = rigid_shift(places, np.ascontiguousarray(places.axes[:, 0]), motion)[2]

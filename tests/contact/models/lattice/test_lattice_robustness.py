@@ -246,8 +246,8 @@ def test_a_narrow_maximum_at_the_end_of_the_next_strip() -> None:
     """16 nm of penetration over 0.2 mm beside a strip of 20 mm, from none as from the pose before."""
     model = pair(0.6)
     poses = (7.750e-3, 3.90026536e-3), (7.755e-3, 3.9136994e-3)
-    before, here = (left(rolling(y, z, yaw=15e-3)) for y, z in poses)
-    result, again = model(*here), model(*here, model(*before))
+    before, here = (model.problem(*left(rolling(y, z, yaw=15e-3))) for y, z in poses)  # on ordinary strips
+    result, again = model.solve(here), model.solve(here, model.solve(before))
     np.testing.assert_array_equal(start(again).strips, start(result).strips)
     np.testing.assert_allclose(again.force, result.force, rtol=0, atol=1e-7 * np.linalg.norm(result.force))
 

@@ -1,0 +1,257 @@
+"""Compiled: width of the undeformed penetration by the exact profiles, in strips of a lattice, for its resolution.
+
+With the largest penetration d along x on every line, t the number of strips across, and m(t, t') the least d between
+two lines, 0 where it is negative, the width is
+
+    n = 1.2 int int max(d, d') m dt dt' / int d^2 dt
+
+over all d > 0. On one maximum the numerator is (int d dt)^2, and n the width of a parabola; of several regions n is the
+mean, weighted by int d^2 dt, and of two that merge it grows with the saddle between them: a continuous function of the
+pose.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import roots_legendre
+
+from wheelrail.contact.models.lattice.system.surface import SurfaceData, crests, penetration_changes
+from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.compiled import compiled
+
+SAMPLES = 4  # in a strip, between which maxima of the penetration are sought
+ROOT_STEPS, ROOT_ERROR = 60, 1e-12  # m
+PARABOLAS = 4  # to an extremum, each over a tenth of the last one's width
+OF_PARABOLA = 1.2  # width over (integral)^2 / (integral of the square)
+NODES, WEIGHTS = (np.ascontiguousarray(part) for part in roots_legendre(16))
+SHIFT = 1e-8  # m, of lines to both sides, for slopes along the profile
+
+
+@compiled
+def strips_across(depth: Array) -> float:
+    """Number of strips across by their mean penetrations (K,) m, for contacts that are wide: that of a parabola of more
+    than three strips is at most 3 % too large. Saddles are taken to lie lower than the means.
+    """
+    K = len(depth)
+    double, square = 0.0, 0.0
+    for i in range(K):
+        if not depth[i] > 0.0:
+            continue
+        square += depth[i] * depth[i]
+        double += depth[i] * depth[i]
+        least = depth[i]
+        for j in range(i + 1, K):
+            if not depth[j] > 0.0:
+                break
+            double += 2.0 * max(depth[i], depth[j]) * min(least, depth[j])
+            if j < K - 1 and depth[j] <= depth[j - 1] and depth[j] <= depth[j + 1]:
+                least = min(least, max(depth[j] - 0.25 * (depth[j - 1] - 2.0 * depth[j] + depth[j + 1]), 0.0))
+    return OF_PARABOLA * double / square if square > 0.0 else 0.0
+
+
+@compiled
+def _depth(surface: SurfaceData, origin: Array, rotation: Array, s: float) -> float:
+    """Largest penetration m along x on the line s m."""
+    return float(crests(surface, origin, rotation, np.array([s]))[0].depth[0])
+
+
+@compiled
+def _edge(surface: SurfaceData, origin: Array, rotation: Array, inside: float, outside: float) -> float:
+    """Bound m of a region of penetration between a line in it and one beside it, by the Illinois method."""
+    f, g = _depth(surface, origin, rotation, inside), _depth(surface, origin, rotation, outside)
+    kept = 0
+    for _ in range(ROOT_STEPS):
+        if abs(outside - inside) < ROOT_ERROR or g == 0.0:
+            break
+        s = 0.5 * (inside + outside) if not np.isfinite(g) else inside + (outside - inside) * f / (f - g)
+        h = _depth(surface, origin, rotation, s)
+        if abs(h) < ROOT_ERROR * ROOT_ERROR:
+            return s
+        if h > 0.0:
+            inside, f = s, h
+            if kept == 1:
+                g *= 0.5
+            kept = 1
+        else:
+            outside, g = s, h
+            if kept == -1:
+                f *= 0.5
+            kept = -1
+    return inside
+
+
+@compiled
+def _extremum(surface: SurfaceData, origin: Array, rotation: Array, s: float, span: float, sign: float) -> float:
+    """Place m of a maximum (sign 1) or minimum (-1) of the penetration near a line s m, by parabolas over a span m."""
+    for _ in range(PARABOLAS):
+        before = sign * _depth(surface, origin, rotation, s - span)
+        at = sign * _depth(surface, origin, rotation, s)
+        after = sign * _depth(surface, origin, rotation, s + span)
+        bend = before - 2.0 * at + after
+        if not (bend < 0.0 and np.isfinite(bend)):
+            break
+        s += span * min(max(0.5 * (before - after) / bend, -1.0), 1.0)
+        span *= 0.1
+    return s
+
+
+@compiled
+def _add_maxima(
+    surface: SurfaceData, origin: Array, rotation: Array, s: Array, found: list[tuple[float, float, bool]]
+) -> None:
+    """Append the pieces of penetration with one maximum between lines s (n,) m: bounds m, and whether a piece continues
+    the last one across a saddle.
+    """
+    d = crests(surface, origin, rotation, s)[0].depth
+    n, k = len(s), 0
+    while k < n:
+        if d[k] > 0.0:
+            low, continues = s[k], False
+            if k > 0:
+                low = _edge(surface, origin, rotation, s[k], s[k - 1])
+            while k + 1 < n and d[k + 1] > 0.0:
+                k += 1
+                if k + 1 < n and d[k] <= d[k - 1] and d[k] < d[k + 1]:
+                    saddle = _extremum(surface, origin, rotation, s[k], 0.5 * (s[k + 1] - s[k - 1]), -1.0)
+                    if low < saddle < s[k + 1] and _depth(surface, origin, rotation, saddle) > 0.0:
+                        found.append((low, saddle, continues))
+                        low, continues = saddle, True
+                    elif low < saddle < s[k + 1]:
+                        found.append((low, _edge(surface, origin, rotation, s[k - 1], saddle), continues))
+                        low, continues = _edge(surface, origin, rotation, s[k + 1], saddle), False
+            high = s[k]
+            if k < n - 1:
+                high = _edge(surface, origin, rotation, s[k], s[k + 1])
+            found.append((low, high, continues))
+        elif 0 < k < n - 1 and d[k] >= d[k - 1] and d[k] > d[k + 1]:
+            top = _extremum(surface, origin, rotation, s[k], 0.5 * (s[k + 1] - s[k - 1]), 1.0)
+            if s[k - 1] < top < s[k + 1] and _depth(surface, origin, rotation, top) > 0.0:
+                low = _edge(surface, origin, rotation, top, s[k - 1])
+                found.append((low, _edge(surface, origin, rotation, top, s[k + 1]), False))
+        k += 1
+
+
+@compiled
+def maxima(
+    surface: SurfaceData, origin: Array, rotation: Array, middle: Array, width: Array, depth: Array
+) -> tuple[Array, Mask]:
+    """Pieces of the undeformed penetration with one maximum each, in order: their bounds (P, 2) m, and whether they
+    continue the last one across a saddle (P,).
+
+    Parameters:
+        surface: of both bodies.
+        origin, rotation: of the upper one.
+        middle, width, depth: (K,) m, of the strips: where they lie, and their mean penetration.
+    """
+    K = len(middle)
+    sought = np.zeros(K, dtype=np.bool_)
+    for k in range(K):
+        before, after = depth[max(k - 1, 0)], depth[min(k + 1, K - 1)]
+        top = np.isfinite(depth[k]) and depth[k] >= before and depth[k] >= after
+        # a parabola through the means of three strips is at most a sixth of its second difference above the middle one
+        if depth[k] > 0.0 or (top and 3.0 * depth[k] - before - after > 0.0):
+            sought[max(k - 1, 0) : k + 2] = True
+    found = [(0.0, 0.0, False) for _ in range(0)]
+    k = 0
+    while k < K:
+        start = k
+        while k < K and sought[k]:
+            k += 1
+        if k == start:
+            k += 1
+            continue
+        s = np.empty((k - start) * SAMPLES + 1)
+        for i in range(start, k):
+            for j in range(SAMPLES):
+                s[(i - start) * SAMPLES + j] = middle[i] + (j / SAMPLES - 0.5) * width[i]
+        s[-1] = middle[k - 1] + 0.5 * width[k - 1]
+        _add_maxima(surface, origin, rotation, s, found)
+    bounds, continues = np.empty((len(found), 2)), np.zeros(len(found), dtype=np.bool_)
+    for p in range(len(found)):
+        bounds[p, 0], bounds[p, 1], continues[p] = found[p]
+    return bounds, continues
+
+
+@compiled
+def penetrated_width(
+    surface: SurfaceData,
+    origin: Array,
+    rotation: Array,
+    middle: Array,
+    width: Array,
+    bounds: Array,
+    continues: Mask,
+    slopes: bool,
+) -> tuple[float, Array]:
+    """Number of strips across the undeformed penetration, and its derivative (6,) by the pose if slopes, else zeros.
+
+    Parameters:
+        surface, origin, rotation, middle, width: see `maxima`.
+        bounds, continues: (P, 2) m and (P,), of its pieces with one maximum.
+    """
+    P, N = len(bounds), len(NODES)
+    depth, share = np.zeros((P, N)), np.zeros((P, N))
+    change, longer = np.zeros((P, N, 6)), np.zeros((P, N, 6))  # of the depth and, relative, of the share
+    saddle, saddle_change = np.zeros(P), np.zeros((P, 6))
+    for p in range(P):
+        half = 0.5 * (bounds[p, 1] - bounds[p, 0])
+        lines = np.empty(N + 2)
+        lines[:N] = 0.5 * (bounds[p, 0] + bounds[p, 1]) + half * NODES
+        lines[N:] = bounds[p]
+        at, x, _ = crests(surface, origin, rotation, lines)
+        w = np.interp(lines, middle, width)
+        depth[p], share[p] = np.maximum(at.depth[:N], 0.0), half * WEIGHTS / w[:N]
+        if continues[p]:
+            saddle[p] = max(at.depth[N], 0.0)
+        if not slopes:
+            continue
+        by_pose = penetration_changes(surface, origin, rotation, lines, x).depth
+        before, after = lines - SHIFT, lines + SHIFT
+        slope = crests(surface, origin, rotation, after)[0].depth - crests(surface, origin, rotation, before)[0].depth
+        slope /= 2.0 * SHIFT
+        w_slope = (np.interp(after, middle, width) - np.interp(before, middle, width)) / (2.0 * SHIFT)
+        saddle_change[p] = by_pose[N]
+        for j in range(6):
+            # bounds at the edge of a region move with it, saddles count as fixed
+            low = 0.0 if continues[p] else -by_pose[N, j] / slope[N]
+            high = 0.0 if p + 1 < P and continues[p + 1] else -by_pose[N + 1, j] / slope[N + 1]
+            for i in range(N):
+                moved = 0.5 * (high + low) + 0.5 * (high - low) * NODES[i]
+                longer[p, i, j] = 0.5 * (high - low) / half - w_slope[i] / w[i] * moved
+                change[p, i, j] = by_pose[i, j] + slope[i] * moved
+    double, square = 0.0, 0.0
+    double_change, square_change = np.zeros(6), np.zeros(6)
+    for p in range(P):
+        own, least, place = np.zeros(6), np.inf, p
+        for q in range(p, P):
+            if q > p:
+                if not continues[q]:
+                    break
+                if saddle[q] < least:
+                    least, place = saddle[q], q
+            twice = 1.0 if q == p else 2.0
+            for i in range(N):
+                for k in range(N):
+                    a, b = depth[p, i], depth[q, k]
+                    weight = twice * share[p, i] * share[q, k]
+                    low = min(a, b, least)
+                    double += weight * max(a, b) * low
+                    if not slopes:
+                        continue
+                    for j in range(6):
+                        value = max(a, b) * low * (longer[p, i, j] + longer[q, k, j])
+                        if least < min(a, b):
+                            higher = change[p, i, j] if a > b else change[q, k, j]
+                            value += higher * least + max(a, b) * saddle_change[place, j]
+                        else:
+                            value += a * change[q, k, j] + b * change[p, i, j]
+                        own[j] += weight * value
+        for i in range(N):
+            a = depth[p, i]
+            square += share[p, i] * a * a
+            square_change += share[p, i] * (a * a * longer[p, i] + 2.0 * a * change[p, i])
+        double_change += own
+    if not square > 0.0:
+        return 0.0, np.zeros(6)
+    number = OF_PARABOLA * double / square
+    return number, OF_PARABOLA / square * double_change - number / square * square_change

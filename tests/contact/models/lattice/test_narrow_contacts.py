@@ -1,0 +1,239 @@
+"""Contacts that are narrow against the strips: levels of narrower strips, and the passage between two of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NoReturn
+
+import numpy as np
+import pytest
+from test_lattice import STEEL, flowing, rolling, wheelset
+
+from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.laws.friction import FallingFriction
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.builders import hertz_pair
+from wheelrail.contact.models.discretisation import Bodies, Discretisation
+from wheelrail.contact.models.lattice import levels
+from wheelrail.contact.models.lattice.levels import ENOUGH, LEAST, ORDINARY, LevelSolutions, level_shares
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
+from wheelrail.contact.models.lattice.system.penetrated_width import maxima, penetrated_width
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.surface import motion_data
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
+from wheelrail.support.plain_data import decode, encode
+
+HEAVY = 60e3  # N, load for which the strips are chosen
+TREAD, FLANGE = (-5.455e-3, -2.53e-4), (6.430e-3, 7.62e-4)  # lateral position m, height m where the surfaces touch
+
+
+def exact(radii: tuple[float, float], load: float) -> Hertz:
+    return hertz(0.5 / radii[0], 0.5 / radii[1], modulus((STEEL.E, STEEL.nu), (STEEL.E, STEEL.nu)), force=load)
+
+
+def ellipse(radii: tuple[float, float], laws: ContactLaws | None = None) -> LatticeContact:
+    how = Discretisation(1e-3, bodies="half-space", points="lattice")
+    model = hertz_pair((radii, (np.inf, np.inf)), (STEEL, STEEL), laws or ContactLaws(friction=0.0), how, load=HEAVY)
+    assert isinstance(model, LatticeContact)
+    return model
+
+
+def wheel(bodies: Bodies) -> LatticeContact:
+    model = wheelset(0.3, bodies).model
+    assert isinstance(model, LatticeContact)
+    return model
+
+
+def levels_of(result: ContactResult) -> tuple[int, ...]:
+    return result.warm_start.levels if isinstance(result.warm_start, LevelSolutions) else (0,)
+
+
+def across(problem: LatticeProblem) -> tuple[float, Array]:
+    """Strips across the penetration, and their derivative by the pose."""
+    at = motion_data(problem.pose, problem.motion, 1.0)
+    lattice = problem.surface, at.origin, at.rotation, problem.middle, problem.width
+    return penetrated_width(*lattice, *maxima(*lattice, problem.depth), True)
+
+
+def load(model: LatticeContact, pose: Pose, motion: RigidMotion, shift: Array) -> Array:
+    """Force and moment of a wheel moved by a shift (3,) m."""
+    moved = replace(motion, wheel=replace(motion.wheel, reference=motion.wheel.reference + shift))
+    result = model(replace(pose, origin=pose.origin + shift), moved)
+    return np.concatenate([result.force, result.moment])
+
+
+@pytest.mark.parametrize("radii", [(0.46, 0.30), (0.46, 0.05), (0.3, 1.2)])
+@pytest.mark.parametrize("offset", [0.0, 0.3])
+def test_ellipses_from_one_newton(radii: tuple[float, float], offset: float) -> None:
+    model = replace(ellipse(radii), offset=offset)
+    for load in np.geomspace(1.0, HEAVY, 12):
+        pair = exact(radii, load)
+        result = model(hertz_pose(pair.approach), flowing())
+        assert result.status == "converged"
+        assert result.force[2] == pytest.approx(load, rel=0.01)
+        (patch,) = result.patches
+        assert not patch.rough
+        assert patch.area == pytest.approx(np.pi * pair.semi_axes[0] * pair.semi_axes[1], rel=0.04)
+        assert patch.max_pressure == pytest.approx(pair.peak, rel=0.015)
+
+
+def test_force_follows_the_power_law_of_the_approach() -> None:
+    """Through three levels: the force over approach^1.5 does not jump, nor does its slope, which the tangent gives."""
+    radii = 0.46, 0.30
+    model = replace(ellipse(radii), tolerance=1e-9)
+    approach = exact(radii, 9e3).approach * np.geomspace(0.05, 1.0, 150)
+    results = [model(hertz_pose(d), flowing()) for d in approach]
+    assert {levels_of(result) for result in results} == {(0,), (0, 1), (1,), (1, 2), (2,)}
+    force = np.array([result.force[2] for result in results])
+    ratio = force / force[-1] * (approach[-1] / approach) ** 1.5
+    np.testing.assert_allclose(ratio, 1.0, atol=5e-3)
+    slopes = np.array([-result.tangent()[2, 2] for result in results])
+    trapezoids = np.diff(approach) * 0.5 * (slopes[1:] + slopes[:-1])
+    np.testing.assert_allclose(np.diff(force), trapezoids, rtol=1e-2)  # kinks where strips come or go
+    assert trapezoids.sum() == pytest.approx(force[-1] - force[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("bound", [LEAST, ENOUGH])
+def test_level_changes_without_a_step(bound: float) -> None:
+    """Where the share of a level reaches 0 or 1, force and tangent are the same on both sides."""
+    radii = 0.46, 0.30
+    model = replace(ellipse(radii), tolerance=1e-10)
+
+    def excess(approach: float) -> float:
+        return across(model.problem(hertz_pose(approach), flowing()))[0] - bound * model.resolution.strips
+
+    low, high = (exact(radii, load).approach for load in (1e3, HEAVY))
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if excess(middle) > 0 else (middle, high)
+    below, above = (model(hertz_pose(d * high), flowing()) for d in (1 - 1e-7, 1 + 1e-7))
+    assert levels_of(below) != levels_of(above)
+    slope = above.tangent()
+    np.testing.assert_allclose(above.force[2] - below.force[2], -slope[2, 2] * 2e-7 * high, rtol=1e-3)
+    np.testing.assert_allclose(below.tangent()[2, 2], slope[2, 2], rtol=1e-5)
+
+
+@pytest.mark.parametrize("bodies", ["half-space", "waveguide"])
+@pytest.mark.parametrize("place", [TREAD, FLANGE])
+def test_light_wheel(bodies: Bodies, place: tuple[float, float]) -> None:
+    """Some newtons to some kilonewtons: force against strips and cells twice as fine, tangent against differences."""
+    model = replace(wheel(bodies), tolerance=1e-9)
+    fine = replace(model, resolution=LatticeResolution(28, 24))
+    y, touching = place
+    seen = set()
+    for depth in np.geomspace(2e-7, 2e-5, 8):
+        pose, motion = wheelset(0.3, bodies).mounting.left_pair(rolling(y, touching - depth, 5e-3, 1e-3))
+        result, better = model(pose, motion), fine(pose, motion)
+        seen.add(levels_of(result))
+        assert min(patch.strips for patch in result.patches) >= 4
+        assert np.linalg.norm(result.force - better.force) < 0.01 * np.linalg.norm(better.force)
+        tangent = result.tangent()
+        for k in (1, 2):
+            step = 1e-5 * result.approach * np.eye(3)[k]
+            above, below = (load(model, pose, motion, shift) for shift in (step, -step))
+            difference = (above - below) / (2 * step[k])
+            np.testing.assert_allclose(tangent[:, k], difference, atol=1e-3 * np.abs(difference[:3]).max())
+    assert any(len(pair) == 2 for pair in seen)
+    assert any(min(pair) > 0 for pair in seen)
+
+
+@pytest.fixture(scope="module")
+def between() -> tuple[Pose, ContactResult]:
+    """A wheel on finite bodies between two levels."""
+    y, touching = TREAD
+    contact = wheelset(0.3, "waveguide")
+    for depth in np.linspace(1.0e-6, 3e-6, 9):
+        pose, motion = contact.mounting.left_pair(rolling(y, touching - depth, 5e-3, 1e-3))
+        result = wheel("waveguide")(pose, motion)
+        if len(levels_of(result)) == 2:
+            return pose, result
+    raise AssertionError("no pose between levels")
+
+
+def test_patches_and_fields_between_levels_carry_the_force(between: tuple[Pose, ContactResult]) -> None:
+    _, result = between
+    (patch,) = result.patches
+    np.testing.assert_allclose(patch.force, result.force, rtol=1e-9)
+    assert patch.strips > 4
+    fields = result.fields
+    assert fields is not None
+    local = np.column_stack([fields.traction, -fields.pressure]) * fields.area[:, None]
+    np.testing.assert_allclose(np.einsum("nk,nkc->c", local, fields.axes), result.force, rtol=1e-9)
+    assert set(fields.patch.tolist()) == {0}
+    assert patch.area == pytest.approx(fields.area.sum(), rel=0.05)
+    assert patch.wheel_band[0] < patch.wheel_y < patch.wheel_band[1]
+    assert result.mirrored().patches[0].force[1] == -patch.force[1]
+    levels = [wheel("waveguide").on(level) for level in levels_of(result)]
+    assert levels[1].tables is not levels[0].tables
+
+
+def test_the_right_wheel_between_levels_is_the_mirror_image(between: tuple[Pose, ContactResult]) -> None:
+    del between
+    contact = wheelset(0.3, "waveguide")
+    state = rolling(TREAD[0], TREAD[1] - 2e-6, 5e-3, 1e-3)
+    mirrored = replace(state, y=-state.y, roll=-state.roll, yaw=-state.yaw)
+    left, right = contact(state, "left"), contact(mirrored, "right")
+    np.testing.assert_array_equal(left.force, [1, -1, 1] * right.force)
+
+
+def test_resumed_solves_between_levels_are_the_same(between: tuple[Pose, ContactResult]) -> None:
+    """A stored start gives every bit of the next solve, and the result does not depend on it."""
+    pose, result = between
+    model = wheel("waveguide")
+    motion = wheelset(0.3, "waveguide").mounting.left_pair(rolling(*TREAD, 5e-3, 1e-3))[1]
+    moved = replace(pose, origin=pose.origin - [0, 0, 2e-8])
+    result.tangent()
+    stored = decode(encode(result.warm_start), ("wheelrail.contact",))
+    assert isinstance(stored, LevelSolutions)
+    resumed, uninterrupted = (model(moved, motion, ContactResult.guess(start)) for start in (stored, result.warm_start))
+    cold = model(moved, motion)
+    assert levels_of(resumed) == levels_of(result)
+    assert resumed.statistics.newton < cold.statistics.newton
+    np.testing.assert_array_equal(resumed.force, uninterrupted.force)
+    np.testing.assert_allclose(resumed.force, cold.force, rtol=1e-6)
+
+
+@pytest.mark.parametrize("strips", [6, 14])
+def test_wide_contacts_need_no_exact_width(strips: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(*_: object) -> NoReturn:
+        raise AssertionError("an exact width is computed")
+
+    monkeypatch.setattr(levels, "maxima", refused)
+    model = replace(wheel("half-space"), resolution=LatticeResolution(strips, 12))
+    for y, height in ((-5.455e-3, -0.353e-3), (4.79e-3, 0.13e-3), (6.43e-3, 0.602e-3)):  # 50 to 100 kN
+        problem = model.problem(*wheelset(0.3).mounting.left_pair(rolling(y, height)))
+        assert level_shares(problem, strips) is ORDINARY
+
+
+def test_width_is_continuous_where_regions_merge() -> None:
+    """A second region beside the first one, from its birth to beyond their merging."""
+    model = wheel("half-space")
+    heights = np.linspace(0.226e-3, 0.04e-3, 400)
+    numbers, slopes = [], []
+    for height in heights:
+        pose, motion = wheelset(0.3).mounting.left_pair(rolling(4.79e-3, height, 5e-3))
+        number, slope = across(model.problem(pose, motion))
+        numbers.append(number)
+        slopes.append(slope[2])
+    from_slopes = numbers[20] + np.cumsum(0.5 * np.diff(heights[20:]) * np.add(slopes[21:], slopes[20:-1]))
+    np.testing.assert_allclose(numbers[21:], from_slopes, rtol=2e-2)
+
+
+def test_falling_friction_on_a_small_ellipse() -> None:
+    radii = 0.46, 0.30
+    laws = ContactLaws(friction=FallingFriction(0.4, 0.5, 0.6))
+    small, large = (
+        ellipse(radii, laws)(hertz_pose(exact(radii, load).approach), flowing(0.0, 0.02)) for load in (3.0, HEAVY)
+    )
+    for result, load in ((small, 3.0), (large, HEAVY)):
+        assert 0.9 * 0.2 * load < -result.force[1] < 0.4 * load
+
+
+def test_models_without_friction_share_the_tables_of_all_levels() -> None:
+    model = wheel("half-space")
+    assert model.frictionless.on(2).tables is model.on(2).tables
+    assert np.median(model.on(2).tables.width) == pytest.approx(0.25 * np.median(model.tables.width), rel=1e-2)
