@@ -105,13 +105,14 @@ class BodyEquations:
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
         rates = Travel(travel.speed, travel.acceleration, jerk, 1.0)
-        found = derivatives(self.arrays, _travel(travel), rates, self._all(state), self._contact(wrenches))
-        count, coordinates = self.coordinates.count, self.coordinates
-        by_state, by_time = found.by_state[self._blocks], found.by_time[self._rows]
+        contact, coordinates, count = self._contact(wrenches), self.coordinates, self.coordinates.count
+        columns = coordinates.within_all
+        found = derivatives(self.arrays, _travel(travel), rates, self._all(state), columns, contact)
+        by_state, by_time = found.by_state, found.by_time
         if coordinates.maxwell:
             by_state[count:], by_time[count:] = (coordinates.from_series @ v[count:] for v in (by_state, by_time))
             by_state[:, 2 * count :] = by_state[:, 2 * count :] @ coordinates.series
-        return BodyDerivatives(by_state, self._by_wrench(found.by_wrench), by_time)
+        return BodyDerivatives(by_state, found.by_wrench[:, :count], by_time)
 
     def element_states(self, travels: Sequence[TrackPosition], states: Array) -> tuple[Array, Array]:
         """Deflections m and forces N (r, e, 3) of the suspension elements on the upper bodies, in the elements' axes.
@@ -128,18 +129,6 @@ class BodyEquations:
     def _rows(self) -> NDArray[np.int64]:
         """Indices (c + m,) of free coordinates and Maxwell elements among all."""
         return self.coordinates.within_all[self.coordinates.count :] - self.coordinates.held.size
-
-    @cached_property
-    def _blocks(self) -> tuple[NDArray[np.int64], ...]:
-        """Rows and columns of the free coordinates, of all rates and of Maxwell elements among all."""
-        return np.ix_(self._rows, self.coordinates.within_all)
-
-    def _by_wrench(self, responses: Array) -> Array:
-        """Derivatives (6, c) of the accelerations of wheelsets by contact forces and moments; zero for other bodies."""
-        result = np.zeros((len(responses), 6, 6))
-        wheelsets = self.coordinates.wheelset_bodies
-        result[wheelsets] = responses[wheelsets].transpose(0, 2, 1)
-        return result.transpose(1, 0, 2).reshape(6, -1)[:, self.coordinates.free]
 
     def _in_components(self, rates: Array) -> Array:
         """Rates (..., c + m) with those of the springs of Maxwell elements as components of the state."""

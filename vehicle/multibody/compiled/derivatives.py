@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.vehicle.multibody.compiled.applied_loads import add_loads
 from wheelrail.vehicle.multibody.compiled.bodies import Travel
 from wheelrail.vehicle.multibody.compiled.body_derivatives import (
@@ -41,12 +41,12 @@ BY_TIME = 12
 
 
 class VehicleDerivatives(NamedTuple):
-    """Derivatives of the accelerations (6 n,) of the coordinates and of the rates (m,) of Maxwell elements.
+    """Derivatives of r of the accelerations (6 n,) of the coordinates and of the rates (m,) of Maxwell elements.
 
     Parameters:
-        by_state: (6 n + m, 12 n + m).
-        by_wrench: (n, 6, 6), of a body's accelerations by the force and the moment on it, in its track frame.
-        by_time: (6 n + m,), with the reference motion.
+        by_state: (r, k), by k of the coordinates (6 n,), their rates, and the springs' deflections (m,).
+        by_wrench: (6, r), by a component of force or moment on each wheelset, in its track frame.
+        by_time: (r,), with the reference motion.
     """
 
     by_state: Array
@@ -72,7 +72,7 @@ class BodySlopes(NamedTuple):
 
 @analytic
 def derivatives(
-    vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Array, wrenches: Array
+    vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Array, columns: Nodes, wrenches: Array
 ) -> VehicleDerivatives:
     """Derivatives of `accelerations` at a state.
 
@@ -80,6 +80,8 @@ def derivatives(
         vehicle: bodies, elements, track and loads.
         travel, rates: reference motion, and its derivative by time.
         state: (12 n + m,) with held coordinates.
+        columns: (k,) indices of free coordinates, of their rates and of Maxwell elements among all; the rates of the
+            last two are those whose derivatives are taken.
         wrenches: (n, 2, 3) N and N m, of contacts, in the bodies' track frames.
     """
     n, m = len(vehicle.bodies.mass), len(vehicle.elements.series_stiffness)
@@ -97,7 +99,7 @@ def derivatives(
     add_suspension(vehicle.elements, vehicle.bodies.wheelset, motions, series, series_rates, slopes)
     add_load_slopes(vehicle.bodies, vehicle.loads, travel, state, rows, motions, slopes)
     own = body_slopes(vehicle, travel, rates, state, rows, total, wrenches)
-    result = VehicleDerivatives(np.zeros((6 * n + m, 12 * n + m)), own.by_wrench, np.zeros(6 * n + m))
+    by_state, by_time = np.zeros((6 * n + m, 12 * n + m)), np.zeros(6 * n + m)
     block = np.empty((6, DIRECTIONS))
     for i in range(n):
         for j in range(n):
@@ -109,11 +111,32 @@ def derivatives(
                 continue
             if slopes.coupled[i, j] == 1:
                 add_product(product_of(own.by_common[i], slopes.wrench[i, j]), own.motion[j], block)
-            result.by_state[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] = block[:, :6]
-            result.by_state[6 * i : 6 * i + 6, 6 * (n + j) : 6 * (n + j) + 6] = block[:, 6:BY_TIME]
+            by_state[6 * i : 6 * i + 6, 6 * j : 6 * j + 6] = block[:, :6]
+            by_state[6 * i : 6 * i + 6, 6 * (n + j) : 6 * (n + j) + 6] = block[:, 6:BY_TIME]
             for k in range(6):
-                result.by_time[6 * i + k] += block[k, BY_TIME]
-    add_maxwell(vehicle, slopes, own, result)
+                by_time[6 * i + k] += block[k, BY_TIME]
+    add_maxwell(vehicle, slopes, own, by_state, by_time)
+    return selected(vehicle, own, by_state, by_time, columns)
+
+
+@analytic
+def selected(
+    vehicle: VehicleArrays, own: BodySlopes, by_state: Array, by_time: Array, columns: Nodes
+) -> VehicleDerivatives:
+    """Derivatives (6 n + m, 12 n + m) and (6 n + m,) of all, without held coordinates; columns as for `derivatives`."""
+    n, first = len(own.motion), 0
+    while first < len(columns) and columns[first] < 6 * n:
+        first += 1
+    size = len(columns) - first
+    result = VehicleDerivatives(np.empty((size, len(columns))), np.zeros((6, size)), np.empty(size))
+    for r in range(size):
+        row = columns[first + r] - 6 * n
+        for k in range(len(columns)):
+            result.by_state[r, k] = by_state[row, columns[k]]
+        result.by_time[r] = by_time[row]
+        if row < 6 * n:
+            for d in range(6):
+                result.by_wrench[d, r] = vehicle.bodies.wheelset[row // 6] * own.by_wrench[row // 6, row % 6, d]
     return result
 
 
@@ -174,15 +197,17 @@ def add_product(a: Array, b: Array, result: Array) -> None:
 
 
 @analytic
-def add_maxwell(vehicle: VehicleArrays, slopes: SuspensionSlopes, own: BodySlopes, result: VehicleDerivatives) -> None:
-    """Add the rows and columns of Maxwell elements."""
+def add_maxwell(
+    vehicle: VehicleArrays, slopes: SuspensionSlopes, own: BodySlopes, by_state: Array, by_time: Array
+) -> None:
+    """Add the rows and columns of Maxwell elements to the derivatives of all coordinates."""
     elements, n = vehicle.elements, len(own.motion)
     for e in range(len(elements.upper)):
         for j in range(3):
             m = elements.series[e, j]
             if m < 0:
                 continue
-            row, column = result.by_state[6 * n + m], 12 * n + m
+            row, column = by_state[6 * n + m], 12 * n + m
             row[column] = slopes.decay[m]
             for side in range(2):
                 i = elements.upper[e] if side == 0 else elements.lower[e]
@@ -191,7 +216,7 @@ def add_maxwell(vehicle: VehicleArrays, slopes: SuspensionSlopes, own: BodySlope
                     for d in range(6):
                         row[6 * i + d] += size * motion[d]
                         row[6 * (n + i) + d] += size * motion[6 + d]
-                    result.by_time[6 * n + m] += size * motion[BY_TIME]
+                    by_time[6 * n + m] += size * motion[BY_TIME]
                 for d in range(6):
                     for k in range(6):
-                        result.by_state[6 * i + d, column] += own.by_common[i, d, k] * slopes.series[m, side, k]
+                        by_state[6 * i + d, column] += own.by_common[i, d, k] * slopes.series[m, side, k]
