@@ -109,6 +109,26 @@ def test_derivatives_are_those_of_differences(kind: str) -> None:
         np.testing.assert_allclose(actual.by_wrench, by_wrench, rtol=0.0, atol=1e-10 * np.abs(by_wrench).max())
 
 
+def test_derivatives_of_a_vehicle_with_held_coordinates() -> None:
+    """By differences of the compiled accelerations, in a transition."""
+    free = dynamics_of("Maxwell elements")
+    held = {"front_bogie": ("roll", "pitch"), "wheelset_1": ("y", "yaw"), "wheelset_2": ("x", "pitch")}
+    bodies = {name: replace(body, held=held.get(name, ())) for name, body in free.vehicle.bodies.items()}
+    dynamics, step = replace(free, vehicle=replace(free.vehicle, bodies=bodies)), 1e-6
+    time, state, wrenches = samples(dynamics)[1]
+    travel, (_, _, jerk) = dynamics.speed_profile(time), dynamics.speed_profile.speeds(time)
+    actual = dynamics.bodies.derivatives(travel, jerk, state, wrenches)
+    steps = step * np.eye(dynamics.size)
+    plus, minus = (
+        np.array([dynamics.accelerations(time, state + s, wrenches).rates for s in sign * steps]) for sign in (1, -1)
+    )
+    by_state = (plus - minus).T / (2 * step)
+    np.testing.assert_allclose(actual.by_state, by_state, rtol=0.0, atol=1e-7 * np.abs(by_state).max())
+    plus, minus = (dynamics.accelerations(time + h, state, wrenches).rates for h in (1e-5, -1e-5))
+    by_time = (plus - minus) / 2e-5
+    np.testing.assert_allclose(actual.by_time, by_time, rtol=0.0, atol=1e-6 * np.abs(by_time).max())
+
+
 def test_derivatives_at_rest_have_no_error_of_differences() -> None:
     """At the nominal position linear springs give the same stiffness between both bogies and the car body."""
     dynamics = VehicleDynamics(manchester(), Track(), LinearCreep(), 30.0)

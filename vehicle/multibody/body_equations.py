@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.support.arrays import Array, Complex
+from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.compiled.bodies import Travel
+from wheelrail.vehicle.multibody.compiled.derivatives import derivatives
 from wheelrail.vehicle.multibody.compiled.equations import (
     VehicleArrays,
     accelerations,
-    derivatives,
     element_states,
     near,
     sections,
@@ -64,9 +64,6 @@ class BodyEquations:
         suspension: of the vehicle.
         track: sections of the track.
         applied: torques and forces on the vehicle.
-
-    The compiled functions take complex numbers only: one set of machine code serves values, in the real parts, and
-    derivatives, in the imaginary parts.
     """
 
     suspension: SuspensionForces
@@ -81,17 +78,17 @@ class BodyEquations:
     def arrays(self) -> VehicleArrays:
         return vehicle_arrays(self.suspension, self.track, self.applied)
 
-    def sections(self, travel: TrackPosition, state: Array) -> Complex:
+    def sections(self, travel: TrackPosition, state: Array) -> Array:
         """Track sections (n, 6, 3) at the bodies: position m, axes, rotation per length rad/m and its derivative.
 
         Parameters:
             travel: reference motion along the track.
             state: (2 c + m,).
         """
-        distance, whole = complex(travel.distance), self._all(state)
+        distance, whole = float(travel.distance), self._all(state)
         return sections(self.arrays, distance, near(distance, whole), whole)
 
-    def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Complex) -> Accelerations:
+    def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Array) -> Accelerations:
         """Accelerations of the coordinates, rates of Maxwell elements, and forces of constraints.
 
         Parameters:
@@ -101,18 +98,21 @@ class BodyEquations:
             at: (n, 6, 3), sections of the track at the bodies.
         """
         contact = self._contact(wrenches)
-        values = accelerations(self.arrays, at, _complex(travel), self._all(state), contact).real
+        values = accelerations(self.arrays, at, _travel(travel), self._all(state), contact)
         reactions = values[: self.coordinates.held.size].reshape(-1, 6)
         return Accelerations(self._in_components(values[self._rows]), reactions)
 
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
-        rates = TrackPosition(travel.speed, travel.acceleration, jerk, 1.0)
-        contact, columns = self._contact(wrenches), self.coordinates.within_all
-        rows = derivatives(self.arrays, _complex(travel), _complex(rates), self._all(state), columns, contact)
-        count, size, rows = self.coordinates.count, len(columns), self._in_components(rows[:, self._rows])
-        rows[2 * count : size] = self.coordinates.series.T @ rows[2 * count : size]
-        return BodyDerivatives(rows[:size].T, rows[size:-1, :count], rows[-1])
+        rates = Travel(travel.speed, travel.acceleration, jerk, 1.0)
+        contact, coordinates, count = self._contact(wrenches), self.coordinates, self.coordinates.count
+        columns = coordinates.within_all
+        found = derivatives(self.arrays, _travel(travel), rates, self._all(state), columns, contact)
+        by_state, by_time = found.by_state, found.by_time
+        if coordinates.maxwell:
+            by_state[count:], by_time[count:] = (coordinates.from_series @ v[count:] for v in (by_state, by_time))
+            by_state[:, 2 * count :] = by_state[:, 2 * count :] @ coordinates.series
+        return BodyDerivatives(by_state, found.by_wrench[:, :count], by_time)
 
     def element_states(self, travels: Sequence[TrackPosition], states: Array) -> tuple[Array, Array]:
         """Deflections m and forces N (r, e, 3) of the suspension elements on the upper bodies, in the elements' axes.
@@ -121,7 +121,7 @@ class BodyEquations:
             travels: reference motion along the track, of r states.
             states: (r, 2 c + m).
         """
-        motion = np.array(travels, dtype=np.complex128).reshape(-1, 4)
+        motion = np.array(travels, dtype=float).reshape(-1, 4)
         values = element_states(self.arrays, motion, self._all(states))
         return values[:, 0], values[:, 1]
 
@@ -137,16 +137,16 @@ class BodyEquations:
             rates[..., self.coordinates.count :] = springs @ self.coordinates.from_series.T
         return rates
 
-    def _all(self, state: Array) -> Complex:
+    def _all(self, state: Array) -> Array:
         """States (..., 12 n + m) with held coordinates."""
-        return self.coordinates.expanded(state).astype(np.complex128)
+        return self.coordinates.expanded(state)
 
-    def _contact(self, wrenches: Array) -> Complex:
+    def _contact(self, wrenches: Array) -> Array:
         """Contact forces and moments (n, 2, 3) on all bodies."""
-        result = np.zeros((len(self.coordinates.vehicle.names), 2, 3), np.complex128)
+        result = np.zeros((len(self.coordinates.vehicle.names), 2, 3))
         result[self.coordinates.wheelset_bodies] = wrenches.reshape(-1, 2, 3)
         return result
 
 
-def _complex(travel: TrackPosition) -> Travel:
-    return Travel(*(complex(value) for value in travel))
+def _travel(travel: TrackPosition) -> Travel:
+    return Travel(*(float(value) for value in travel))

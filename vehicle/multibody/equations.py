@@ -15,7 +15,7 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import RailShift, WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.support.arrays import Array, Complex
+from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.loads.applied_loads import AppliedLoads
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
@@ -238,7 +238,7 @@ class VehicleDynamics:
         travel = self.speed_profile(time)
         return self._wheelset_states(travel, state, self.bodies.sections(travel, state))
 
-    def _wheelset_states(self, travel: TrackPosition, state: Array, sections: Complex) -> dict[str, WheelsetState]:
+    def _wheelset_states(self, travel: TrackPosition, state: Array, sections: Array) -> dict[str, WheelsetState]:
         position, rate, _ = self.coordinates.split(state)
         states, rolling, motions = {}, travel.speed / self.vehicle.radius, self.motions(state)
         wheelsets = self.coordinates.wheelset_bodies.tolist()
@@ -247,7 +247,7 @@ class VehicleDynamics:
             speed = travel.speed + v[X]
             if not speed > 0.0:
                 raise StepFailure(f"{name} does not move forwards")
-            wx, wy, wz = (speed * sections[i, 4].real).tolist()
+            wx, wy, wz = (speed * sections[i, 4]).tolist()
             wheelset = WheelsetState(
                 y=q[Y],
                 z=q[Z],

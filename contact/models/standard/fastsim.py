@@ -91,36 +91,3 @@ def strip_tractions(
         traction[i, 0], traction[i, 1] = qx, qy
         x -= 0.75 * h if i == m - 1 else h
         step = h
-
-
-@compiled
-def strip_sums(
-    half: float,
-    creep: tuple[float, float],
-    spin: tuple[float, float, float],
-    flexible: ElasticFoundation,
-    top: float,
-    dome: Array,
-) -> tuple[float, float, float]:
-    """Means over the cells of both tractions Pa, and of place times lateral traction, N/m, with those of
-    `strip_tractions`.
-
-    Parameters:
-        half, creep, spin, flexible: as there.
-        top, dome: the bounds are top times dome (m,), Pa.
-    """
-    m = len(dome)
-    h, qx, qy = 2.0 * half / m, 0.0, 0.0
-    gx, gy = creep[0] / flexible.along + spin[0] / flexible.spin, creep[1] / flexible.across + spin[1] / flexible.spin
-    turning = spin[2] / flexible.spin
-    step, x, middle = 0.5 * h, half - 0.25 * h, half - 0.5 * h
-    along, across, turn = 0.0, 0.0, 0.0
-    for i in range(m - 1, -1, -1):
-        qx, qy, _ = next_traction(qx, qy, step * gx, step * (gy + turning * x), top * dome[i])
-        along += qx
-        across += qy
-        turn += middle * qy
-        x -= 0.75 * h if i == m - 1 else h
-        middle -= h
-        step = h
-    return along / m, across / m, turn / m

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
-from wheelrail.contact.geometry.wheel_surface import Place
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, creepages, rolling_speed
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
 from wheelrail.contact.models.standard.fastsim import foundation
@@ -18,7 +17,7 @@ from wheelrail.contact.models.standard.forces import StripFrames, half_ellipse_m
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.pressure_derivatives import PressureDerivatives
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives, rigid_motions
-from wheelrail.contact.models.standard.strip_resultant import strip_resultant
+from wheelrail.contact.models.standard.strip_resultant import strip_increments, strip_slopes
 from wheelrail.meshes.curves.closest_point import Shape, local, piece
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import unchecked
@@ -81,53 +80,53 @@ def surface_derivatives(
 
 
 @unchecked
-def velocity_derivatives(
-    v: RigidVelocities, reference: Array, point: Array, by_point: Array, relative: Array, flow: Array
-) -> tuple[Place, Place]:
-    """Velocity m/s of the wheel relative to the rail at a point, and mean velocity of both; their derivatives (3, 12)
-    are filled.
+def component_derivatives(
+    v: RigidVelocities,
+    parts: tuple[float, float],
+    reference: Array,
+    point: Array,
+    by_point: Array,
+    axis: Array,
+    by_axis: Array,
+    column: Array,
+) -> None:
+    """Fill derivatives (12,) of the component along an axis of a sum of the velocities of wheel and rail at a point.
 
     Parameters:
         v: rigid motion of both bodies; the wheel's reference point moves with its frame.
+        parts: factors of both velocities.
         reference: (3, 6), derivatives of that point.
         point, by_point: (3,) m and (3, 6).
-        relative, flow: (3, 12), filled.
+        axis, by_axis: (3,) and (3, 6).
+        column: filled.
+
+    With the angular velocity w, w x p changes along the axis a by dp . (a x w).
     """
+    (part, other), (ax, ay, az) = parts, (axis[0], axis[1], axis[2])
     x, y, z = point[0] - v.wheel_at[0], point[1] - v.wheel_at[1], point[2] - v.wheel_at[2]
-    wx, wy, wz = v.wheel_turn
-    wheel = v.wheel[0] + wy * z - wz * y, v.wheel[1] + wz * x - wx * z, v.wheel[2] + wx * y - wy * x
+    wx, wy, wz = part * v.wheel_turn[0], part * v.wheel_turn[1], part * v.wheel_turn[2]
     a, b, c = point[0] - v.rail_at[0], point[1] - v.rail_at[1], point[2] - v.rail_at[2]
-    rx, ry, rz = v.rail_turn
-    rail = v.rail[0] + ry * c - rz * b, v.rail[1] + rz * a - rx * c, v.rail[2] + rx * b - ry * a
+    rx, ry, rz = other * v.rail_turn[0], other * v.rail_turn[1], other * v.rail_turn[2]
+    vx = part * v.wheel[0] + wy * z - wz * y + other * v.rail[0] + ry * c - rz * b
+    vy = part * v.wheel[1] + wz * x - wx * z + other * v.rail[1] + rz * a - rx * c
+    vz = part * v.wheel[2] + wx * y - wy * x + other * v.rail[2] + rx * b - ry * a
+    hx, hy, hz = ay * wz - az * wy, az * wx - ax * wz, ax * wy - ay * wx
+    gx, gy, gz = hx + ay * rz - az * ry, hy + az * rx - ax * rz, hz + ax * ry - ay * rx
     for q in range(MOTIONS):
-        dx, dy, dz = by_point[0, q], by_point[1, q], by_point[2, q]
-        ex, ey, ez = dx - reference[0, q], dy - reference[1, q], dz - reference[2, q]
-        wheel_x, wheel_y, wheel_z = wy * ez - wz * ey, wz * ex - wx * ez, wx * ey - wy * ex
-        rail_x, rail_y, rail_z = ry * dz - rz * dy, rz * dx - rx * dz, rx * dy - ry * dx
-        relative[0, q], relative[1, q], relative[2, q] = wheel_x - rail_x, wheel_y - rail_y, wheel_z - rail_z
-        flow[0, q], flow[1, q] = 0.5 * (wheel_x + rail_x), 0.5 * (wheel_y + rail_y)
-        flow[2, q] = 0.5 * (wheel_z + rail_z)
-    for k in range(3):
-        for q in range(MOTIONS, CHANGES):
-            relative[k, q] = 0.0
-        relative[k, MOTIONS + k] = 1.0
-    relative[0, 10], relative[0, 11] = z, -y
-    relative[1, 11], relative[1, 9] = x, -z
-    relative[2, 9], relative[2, 10] = y, -x
-    for k in range(3):
-        for q in range(MOTIONS, CHANGES):
-            flow[k, q] = 0.5 * relative[k, q]
-    return (
-        (wheel[0] - rail[0], wheel[1] - rail[1], wheel[2] - rail[2]),
-        (0.5 * (wheel[0] + rail[0]), 0.5 * (wheel[1] + rail[1]), 0.5 * (wheel[2] + rail[2])),
-    )
+        moved = gx * by_point[0, q] + gy * by_point[1, q] + gz * by_point[2, q]
+        turned = vx * by_axis[0, q] + vy * by_axis[1, q] + vz * by_axis[2, q]
+        column[q] = moved + turned - (hx * reference[0, q] + hy * reference[1, q] + hz * reference[2, q])
+    column[6], column[7], column[8] = part * ax, part * ay, part * az
+    column[9], column[10] = part * (y * az - z * ay), part * (z * ax - x * az)
+    column[11] = part * (x * ay - y * ax)
 
 
 @unchecked
 def creepage_derivatives(
     v: RigidVelocities,
-    velocity: Place,
-    by_velocity: Array,
+    reference: Array,
+    point: Array,
+    by_point: Array,
     axes: Array,
     by_axes: Array,
     speed: tuple[float, Array],
@@ -137,28 +136,23 @@ def creepage_derivatives(
     """Fill derivatives (3, 12) of longitudinal and lateral creepage and of spin.
 
     Parameters:
-        v: rigid motion of both bodies.
-        velocity, by_velocity: m/s and (3, 12), of the wheel relative to the rail.
+        v, reference, point, by_point: as for `component_derivatives`.
         axes, by_axes: (3, 3) and (3, 3, 6).
         speed: rolling speed m/s and its derivatives (12,).
         creepage: the values.
         columns: filled.
     """
-    (V, by_V), (vx, vy, vz) = speed, velocity
+    V, by_V = speed
     wx, wy, wz = v.wheel_turn[0] - v.rail_turn[0], v.wheel_turn[1] - v.rail_turn[1], v.wheel_turn[2] - v.rail_turn[2]
     for k in range(2):
-        fx, fy, fz, value = axes[k, 0], axes[k, 1], axes[k, 2], creepage[k]
-        for q in range(CHANGES):
-            change = by_velocity[0, q] * fx + by_velocity[1, q] * fy + by_velocity[2, q] * fz
-            columns[k, q] = (change - value * by_V[q]) / V
-        for q in range(MOTIONS):
-            columns[k, q] += (vx * by_axes[k, 0, q] + vy * by_axes[k, 1, q] + vz * by_axes[k, 2, q]) / V
-    for q in range(CHANGES):
-        columns[2, q] = -creepage[2] * by_V[q] / V
+        component_derivatives(v, (1.0, -1.0), reference, point, by_point, axes[k], by_axes[k], columns[k])
     for q in range(MOTIONS):
-        columns[2, q] -= (wx * by_axes[2, 0, q] + wy * by_axes[2, 1, q] + wz * by_axes[2, 2, q]) / V
+        columns[2, q] = -(wx * by_axes[2, 0, q] + wy * by_axes[2, 1, q] + wz * by_axes[2, 2, q])
     for k in range(3):
-        columns[2, 9 + k] -= axes[2, k] / V
+        columns[2, 6 + k], columns[2, 9 + k] = 0.0, -axes[2, k]
+    for k in range(3):
+        for q in range(CHANGES):
+            columns[k, q] = (columns[k, q] - creepage[k] * by_V[q]) / V
 
 
 @unchecked
@@ -206,11 +200,12 @@ def force_derivatives(
     tangent, n = np.zeros((6, CHANGES)), len(strips.s)
     dome = half_ellipse_means(cells)[1]
     top = dome.max()
-    bounds, resultant, slopes = dome / top, np.zeros(3), np.zeros((3, 3))
+    bounds, increments = dome / top, np.empty((n, 3))
+    resultants, all_slopes = np.zeros((n, 3)), np.zeros((n, 3, 3))
     by_point, by_axes, reference = np.empty((3, MOTIONS)), np.empty((3, 3, MOTIONS)), np.empty((3, MOTIONS))
-    by_velocity, by_flow, by_speed = np.empty((3, CHANGES)), np.empty((3, CHANGES)), np.empty(CHANGES)
+    by_speed = np.empty(CHANGES)
     by_patch, by_own, of_patch = np.empty((3, CHANGES)), np.empty((3, CHANGES)), np.zeros((7, CHANGES))
-    by_strip, by_force, scratch = np.zeros((2, CHANGES)), np.zeros((4, CHANGES)), np.empty((4, 3))
+    by_strip, by_force = np.zeros((2, CHANGES)), np.zeros((4, CHANGES))
     away = v.wheel_at - origin
     rigid_motions(away[0], away[1], away[2], False, reference)
     start = 0
@@ -227,15 +222,12 @@ def force_derivatives(
         point, axes, place = peaks.point[c], peaks.axes[c], (zones.peak[c], zones.peak_x[c])
         by_place = by_zones.contacts[c, :2]
         surface_derivatives(wheel, radius, origin, rotation, place, by_place, (point, axes), by_point, by_axes)
-        velocity, flow = velocity_derivatives(v, reference, point, by_point, by_velocity, by_flow)
         speed = rolling_speed(v, point, axes[0])
-        for q in range(CHANGES):
-            by_speed[q] = -(by_flow[0, q] * axes[0, 0] + by_flow[1, q] * axes[0, 1] + by_flow[2, q] * axes[0, 2])
-        for q in range(MOTIONS):
-            by_speed[q] -= flow[0] * by_axes[0, 0, q] + flow[1] * by_axes[0, 1, q] + flow[2] * by_axes[0, 2, q]
+        component_derivatives(v, (-0.5, -0.5), reference, point, by_point, axes[0], by_axes[0], by_speed)
         a, b, load, weight = strips.along[c], strips.across[c], strips.load[c], zones.weight[c]
         xi, eta, phi = creepages(v, point, axes, speed)
-        creepage_derivatives(v, velocity, by_velocity, axes, by_axes, (speed, by_speed), (xi, eta, phi), by_patch)
+        own = (xi, eta, phi)
+        creepage_derivatives(v, reference, point, by_point, axes, by_axes, (speed, by_speed), own, by_patch)
         kalker, kalker_slopes = coefficients(elastic.table, a / b), coefficient_slopes(elastic.table, a / b)
         flexible = foundation(a, b, elastic.G, kalker)
         # logarithmic derivatives: of the bound but for the half length, of the three flexibilities; then the parts of
@@ -252,6 +244,12 @@ def force_derivatives(
         for q in range(CHANGES):
             of_patch[4, q] = (by_patch[0, q] - xi * of_patch[1, q]) / flexible.along - by_patch[0, q] / flexible.spin
             of_patch[5, q] = (by_patch[1, q] - eta * of_patch[2, q]) / flexible.across - by_patch[1, q] / flexible.spin
+        if mu > 0.0:
+            for i in range(start, stop):
+                bound = mu * load / volume * strips.half[i] ** 2 * top
+                own = creepages(v, middles.point[i], middles.axes[i], speed)
+                increments[i] = strip_increments(flexible, (xi, eta), own, strips.half[i], bound)
+            strip_slopes(increments[start:stop], bounds, resultants[start:stop], all_slopes[start:stop])
         for i in range(start, stop):
             half, width = strips.half[i], strips.width[i]
             point, axes, place = middles.point[i], middles.axes[i], (strips.s[i], strips.x[i])
@@ -264,14 +262,12 @@ def force_derivatives(
             if mu > 0.0:
                 bound = mu * load / volume * half * half * top
                 scale = 2.0 * half * width * bound
-                velocity, _ = velocity_derivatives(v, reference, point, by_point, by_velocity, by_flow)
-                wx, wy, spin = creepages(v, point, axes, speed)
-                creepage_derivatives(v, velocity, by_velocity, axes, by_axes, (speed, by_speed), (wx, wy, spin), by_own)
+                wx, wy, spin = own = creepages(v, point, axes, speed)
+                creepage_derivatives(v, reference, point, by_point, axes, by_axes, (speed, by_speed), own, by_own)
                 gx = xi / flexible.along + (wx - xi) / flexible.spin
                 gy = eta / flexible.across + (wy - eta) / flexible.spin
                 gs = spin / flexible.spin
-                normalised = (half * gx / bound, half * gy / bound, half * half * gs / bound)
-                strip_resultant(normalised, bounds, resultant, slopes, scratch)
+                resultant, slopes = resultants[i], all_slopes[i]
                 for q in range(MOTIONS):
                     by_strip[0, q] = by_strips.strips[i, 3, q] / half
                     by_strip[1, q] = by_strips.strips[i, 2, q] / width

@@ -7,18 +7,17 @@ import numpy as np
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, creepages
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
-from wheelrail.contact.models.standard.fastsim import strip_sums
 from wheelrail.contact.models.standard.forces import (
     FASTSIM,
     NO_FRICTION,
     POLACH,
-    RollingPatch,
     StripFrames,
     half_ellipse_means,
     polach_force,
     rolling_patch,
 )
 from wheelrail.contact.models.standard.normal import StripPressures
+from wheelrail.contact.models.standard.strip_resultant import strip_increments, strip_resultants
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 
@@ -51,6 +50,8 @@ def strip_loads(
     """
     method, mu, reduction, cells = friction
     dome, slowest, start = half_ellipse_means(cells)[1], np.inf, 0
+    top = dome.max()
+    bounds, increments, resultants = dome / top, np.empty((len(strips.s), 3)), np.empty((len(strips.s), 3))
     for c in range(len(zones.peak)):
         stop = start
         while stop < len(strips.s) and strips.contact[stop] == c:
@@ -61,30 +62,27 @@ def strip_loads(
         creep_force = (0.0, 0.0)
         if rolls and method == POLACH:
             creep_force = polach_force(patch, elastic.G, mu, reduction)
+        if rolls and method == FASTSIM:
+            for i in range(start, stop):
+                half = strips.half[i]
+                own = creepages(v, middles.point[i], middles.axes[i], patch.speed)
+                bound, creep = mu * patch.paraboloid * half * half * top, (patch.creepages[0], patch.creepages[1])
+                along, across, turn = strip_increments(patch.flexibility, creep, own, half, bound)
+                increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
+            strip_resultants(increments[start:stop], bounds, resultants[start:stop])
         for i in range(start, stop):
             half, size = strips.half[i], strips.width[i] * zones.weight[c]
             normal = 0.5 * np.pi * strips.scale[i] * half * half * size
             along, across, turn = 0.0, 0.0, 0.0
             if rolls and method == FASTSIM:
-                creepage = creepages(v, middles.point[i], middles.axes[i], patch.speed)
-                along, across, turn = fastsim_sums(patch, half, creepage, mu, dome)
-                area = 2.0 * half * size
-                along, across, turn = area * along, area * across, area * turn
+                load = 2.0 * half * size * mu * patch.paraboloid * half * half * top
+                along, across = load * resultants[i, 0], load * resultants[i, 1]
+                turn = load * half * resultants[i, 2]
             elif rolls:
                 along, across = creep_force[0] * normal / patch.load, creep_force[1] * normal / patch.load
             add_load(middles, i, (along, across, normal, turn), force, moment)
         start = stop
     return slowest
-
-
-@compiled
-def fastsim_sums(
-    patch: RollingPatch, half: float, creepage: tuple[float, float, float], mu: float, dome: Array
-) -> tuple[float, float, float]:
-    """`strip_sums` of a strip of a patch; parameters of `wheelrail.contact.models.standard.forces.fastsim_strip`."""
-    (xi, eta, _), (wx, wy, spin) = patch.creepages, creepage
-    top = mu * patch.paraboloid * half * half
-    return strip_sums(half, (xi, eta), (wx - xi, wy - eta, spin), patch.flexibility, top, dome)
 
 
 @compiled

@@ -1,1 +1,1 @@
-"""Equations of motion of a vehicle in compiled code, in complex numbers, whose imaginary parts are derivatives."""
+"""Equations of motion of a vehicle, and their exact derivatives, in compiled code."""

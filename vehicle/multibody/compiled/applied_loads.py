@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.support.arrays import Array, Complex, Nodes
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.vehicle.multibody.compiled.bodies import BodyArrays, Motion, Travel, motion_in
 from wheelrail.vehicle.multibody.compiled.vectors import (
     Vector,
@@ -56,42 +56,50 @@ class LoadArrays(NamedTuple):
 
 
 @analytic
-def table_value(loads: LoadArrays, table: int, time: complex, distance: complex) -> complex:
-    """Value of a table at a time s and a distance m; at a point with the slope behind it."""
+def table_piece(loads: LoadArrays, table: int, time: float, distance: float) -> tuple[int, float, float]:
+    """Point of a table before a time s or a distance m, or its first one; the distance from it, and the slope."""
     at = distance if loads.by_distance[table] == 1 else time
-    first, last = loads.starts[table], loads.starts[table + 1] - 1
-    value: complex = loads.values[first] + 0.0 * at
-    if at.real >= loads.abscissae[last]:
-        value = loads.values[last] + 0.0 * at
-    elif at.real >= loads.abscissae[first]:
-        i = first
-        while at.real >= loads.abscissae[i + 1]:
-            i += 1
+    i, last, slope = loads.starts[table], loads.starts[table + 1] - 1, 0.0
+    while i < last and at >= loads.abscissae[i + 1]:
+        i += 1
+    if i < last and at >= loads.abscissae[i]:
         slope = (loads.values[i + 1] - loads.values[i]) / (loads.abscissae[i + 1] - loads.abscissae[i])
-        value = loads.values[i] + slope * (at - loads.abscissae[i])
+    return i, at - loads.abscissae[i], slope
+
+
+@analytic
+def table_value(loads: LoadArrays, table: int, time: float, distance: float) -> float:
+    """Value of a table at a time s and a distance m; constant before its first and behind its last point."""
+    i, beyond, slope = table_piece(loads, table, time, distance)
+    value: float = loads.values[i] + slope * beyond
     return value
 
 
 @analytic
-def axle_torque(
-    bodies: BodyArrays, loads: LoadArrays, p: int, travel: Travel, state: Complex, motions: Complex
-) -> Vector:
-    """Torque N m on a wheelset, in common axes; parameters as for `add_loads`."""
-    i, n = loads.wheelset[p], len(bodies.mass)
-    wheelset, other = motion_in(motions[i]), motion_in(motions[loads.reaction[p]])
-    axle = wheelset.axes[1]
-    size = table_value(loads, loads.torque[p], travel.time, travel.distance + state[6 * i])
-    if loads.brake[p] == 1:
-        spin = state[6 * n + 6 * i + 4] + travel.speed / bodies.radius + dot(subtract(wheelset.rate, other.rate), axle)
-        if spin.real > loads.release:
-            size = -size
-        elif spin.real > -loads.release:
-            size = -size * spin / loads.release
-    return scale(size, axle)
+def axle_spin(bodies: BodyArrays, i: int, travel: Travel, state: Array, wheelset: Motion, other: Motion) -> float:
+    """Rate of rotation rad/s of wheelset i about its axle, relative to another body."""
+    own = state[6 * len(bodies.mass) + 6 * i + 4] + travel.speed / bodies.radius
+    spin: float = own + dot(subtract(wheelset.rate, other.rate), wheelset.axes[1])
+    return spin
 
 
 @analytic
-def body_force(loads: LoadArrays, f: int, travel: Travel, state: Complex, rows: Complex) -> Vector:
+def axle_torque(bodies: BodyArrays, loads: LoadArrays, p: int, travel: Travel, state: Array, motions: Array) -> Vector:
+    """Torque N m on a wheelset, in common axes; parameters as for `add_loads`."""
+    i = loads.wheelset[p]
+    wheelset, other = motion_in(motions[i]), motion_in(motions[loads.reaction[p]])
+    size = table_value(loads, loads.torque[p], travel.time, travel.distance + state[6 * i])
+    if loads.brake[p] == 1:
+        spin = axle_spin(bodies, i, travel, state, wheelset, other)
+        if spin > loads.release:
+            size = -size
+        elif spin > -loads.release:
+            size = -size * spin / loads.release
+    return scale(size, wheelset.axes[1])
+
+
+@analytic
+def body_force(loads: LoadArrays, f: int, travel: Travel, state: Array, rows: Array) -> Vector:
     """Force N on a body, in common axes; parameters as for `add_loads`."""
     i = loads.body[f]
     distance = travel.distance + state[6 * i]
@@ -104,7 +112,7 @@ def body_force(loads: LoadArrays, f: int, travel: Travel, state: Complex, rows: 
 @analytic
 def force_moment(bodies: BodyArrays, loads: LoadArrays, f: int, motion: Motion, force: Vector) -> Vector:
     """Moment N m of a force about the centre of its body; on a wheelset, whose bearings turn, none about the axle."""
-    arm = (loads.arm[f, 0] + 0.0j, loads.arm[f, 1] + 0.0j, loads.arm[f, 2] + 0.0j)
+    arm = (loads.arm[f, 0], loads.arm[f, 1], loads.arm[f, 2])
     moment = cross(rotate(motion.axes, arm), force)
     if bodies.wheelset[loads.body[f]] > 0.0:
         moment = subtract(moment, scale(dot(moment, motion.axes[1]), motion.axes[1]))
@@ -116,10 +124,10 @@ def add_loads(
     bodies: BodyArrays,
     loads: LoadArrays,
     travel: Travel,
-    state: Complex,
-    rows: Complex,
-    motions: Complex,
-    total: Complex,
+    state: Array,
+    rows: Array,
+    motions: Array,
+    total: Array,
 ) -> None:
     """Add the forces and moments of all loads.
 
@@ -151,40 +159,3 @@ def add_loads(
         for part in range(2):
             for d in range(3):
                 total[i, part, d] += own[i, part, d]
-
-
-@analytic
-def add_load_changes(
-    bodies: BodyArrays,
-    loads: LoadArrays,
-    travel: Travel,
-    state: Complex,
-    rows: Complex,
-    motions: Complex,
-    body: int,
-    step: float,
-    change: Array,
-) -> None:
-    """Add the derivatives of forces and moments (n, 2, 3) by a coordinate or rate of a body.
-
-    Parameters:
-        bodies, loads, travel: as for `add_loads`.
-        state, rows, motions: the same with an imaginary part in the coordinate, and what follows of this body.
-        body: number of the body.
-        step: the imaginary part.
-        change: added to.
-    """
-    for p in range(len(loads.wheelset)):
-        i, j = loads.wheelset[p], loads.reaction[p]
-        if i == body or j == body:
-            torque = axle_torque(bodies, loads, p, travel, state, motions)
-            for d in range(3):
-                change[i, 1, d] += torque[d].imag / step
-                change[j, 1, d] -= torque[d].imag / step
-    for f in range(len(loads.body)):
-        if loads.body[f] == body:
-            force = body_force(loads, f, travel, state, rows)
-            moment = force_moment(bodies, loads, f, motion_in(motions[body]), force)
-            for d in range(3):
-                change[body, 0, d] += force[d].imag / step
-                change[body, 1, d] += moment[d].imag / step

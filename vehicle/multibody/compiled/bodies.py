@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.support.arrays import Array, Complex, Nodes
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.vehicle.multibody.compiled.sections import Section
 from wheelrail.vehicle.multibody.compiled.vectors import (
     Matrix,
@@ -60,22 +60,22 @@ class BodyArrays(NamedTuple):
 class Travel(NamedTuple):
     """Reference motion along the track: distance m, speed m/s, acceleration m/s2; and time s."""
 
-    distance: complex
-    speed: complex
-    acceleration: complex
-    time: complex
+    distance: float
+    speed: float
+    acceleration: float
+    time: float
 
 
 class FrameMotion(NamedTuple):
     """Motion of a body in its track frame, see `wheelrail.vehicle.multibody.body_motion.RelativeMotion`."""
 
-    speed: complex
+    speed: float
     offset: Vector
     offset_rate: Vector
     frame_rate: Vector
     roll_axis: Vector
     axle: Vector
-    spin: complex
+    spin: float
     rotation: Matrix
 
 
@@ -89,25 +89,23 @@ class Motion(NamedTuple):
 
 
 @analytic
-def motion_in(rows: Complex) -> Motion:
+def motion_in(rows: Array) -> Motion:
     """Motion of rows (6, 3): position, velocity, axes, angular velocity."""
     return Motion(load(rows[0]), load(rows[1]), (load(rows[2]), load(rows[3]), load(rows[4])), load(rows[5]))
 
 
 @analytic
-def frame_motion(
-    bodies: BodyArrays, i: int, travel: Travel, section: Section, q: Complex, rate: Complex
-) -> FrameMotion:
+def frame_motion(bodies: BodyArrays, i: int, travel: Travel, section: Section, q: Array, rate: Array) -> FrameMotion:
     """Motion of body i with coordinates q (6,) and their rates (6,)."""
-    speed, roll, yaw, zero = travel.speed + rate[0], q[3], q[5], 0.0 * q[0]
+    speed, roll, yaw = travel.speed + rate[0], q[3], q[5]
     pitch = q[4] * (1.0 - bodies.wheelset[i])  # the axes of wheelsets do not spin
     cr, sr, cy, sy = np.cos(roll), np.sin(roll), np.cos(yaw), np.sin(yaw)
     return FrameMotion(
         speed,
-        (zero, q[1], bodies.height[i] + q[2]),
-        (zero, rate[1], rate[2]),
+        (0.0, q[1], bodies.height[i] + q[2]),
+        (0.0, rate[1], rate[2]),
         scale(speed, section.rate),
-        (cy, sy, zero),
+        (cy, sy, 0.0),
         (-sy * cr, cy * cr, sr),
         rate[4] + bodies.wheelset[i] * travel.speed / bodies.radius,
         body_rotation(roll, pitch, yaw),
@@ -115,7 +113,7 @@ def frame_motion(
 
 
 @analytic
-def motion_of(bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, rate: Complex) -> Motion:
+def motion_of(bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, rate: Array) -> Motion:
     """Motion of body i in common axes; rate (6,) of its coordinates."""
     velocity = add(frame.offset_rate, cross(frame.frame_rate, frame.offset))
     velocity = (velocity[0] + frame.speed, velocity[1], velocity[2])
@@ -131,10 +129,29 @@ def motion_of(bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, 
 
 
 class Acceleration(NamedTuple):
-    """Second derivatives of three coordinates, and generalised forces that hold those that are held, otherwise 0."""
+    """Second derivatives of three coordinates, and what their derivatives need.
+
+    Parameters:
+        values: second derivatives x.
+        directions: vectors of the velocities that belong to the coordinates.
+        misfit: N or N m, sum_j m_j x_j less the force or moment: what holds coordinates.
+        inverse: of the equations of x.
+    """
 
     values: Vector
-    reactions: Vector
+    directions: Matrix
+    misfit: Vector
+    inverse: Matrix
+
+
+@analytic
+def projected(directions: Matrix, vector: Vector, held: tuple[int, int, int], nominal: Vector) -> Vector:
+    """Right-hand sides of `constrained`: products with the directions of free coordinates, nominal for held ones."""
+    return (
+        dot(directions[0], vector) if held[0] == 0 else nominal[0],
+        dot(directions[1], vector) if held[1] == 0 else nominal[1],
+        dot(directions[2], vector) if held[2] == 0 else nominal[2],
+    )
 
 
 @analytic
@@ -150,47 +167,34 @@ def constrained(
         held: 1 where a coordinate is held.
         nominal: second derivatives of held coordinates.
     """
-    one, zero = 1.0 + 0.0 * right[0], 0.0 * right[0]
-    a = rotate_back(momenta, directions[0]) if held[0] == 0 else (one, zero, zero)
-    b = rotate_back(momenta, directions[1]) if held[1] == 0 else (zero, one, zero)
-    c = rotate_back(momenta, directions[2]) if held[2] == 0 else (zero, zero, one)
-    p = dot(directions[0], right) if held[0] == 0 else nominal[0]
-    q = dot(directions[1], right) if held[1] == 0 else nominal[1]
-    r = dot(directions[2], right) if held[2] == 0 else nominal[2]
+    a = rotate_back(momenta, directions[0]) if held[0] == 0 else (1.0, 0.0, 0.0)
+    b = rotate_back(momenta, directions[1]) if held[1] == 0 else (0.0, 1.0, 0.0)
+    c = rotate_back(momenta, directions[2]) if held[2] == 0 else (0.0, 0.0, 1.0)
     normal = cross(b, c)
-    x = add(add(scale(p, normal), scale(q, cross(c, a))), scale(r, cross(a, b)))
-    x = scale(1.0 / dot(a, normal), x)
-    misfit = subtract(rotate(momenta, x), right)
-    return Acceleration(
-        x,
-        (
-            held[0] * dot(directions[0], misfit),
-            held[1] * dot(directions[1], misfit),
-            held[2] * dot(directions[2], misfit),
-        ),
-    )
+    size = 1.0 / dot(a, normal)
+    inverse = (scale(size, normal), scale(size, cross(c, a)), scale(size, cross(a, b)))
+    x = rotate(inverse, projected(directions, right, held, nominal))
+    return Acceleration(x, directions, subtract(rotate(momenta, x), right), inverse)
 
 
 @analytic
 def translation(
-    bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, force: Vector, path: complex
+    bodies: BodyArrays, i: int, section: Section, frame: FrameMotion, force: Vector, path: float
 ) -> Acceleration:
     """Accelerations m/s2 along the path, in y and in z of body i under a force N in its track frame.
 
     path: acceleration of the reference motion, m/s2.
     """
-    rate, zero = frame.frame_rate, 0.0 * path
+    rate = frame.frame_rate
     inertial = scale(frame.speed * frame.speed, cross(section.rate_slope, frame.offset))
     inertial = add(inertial, cross(rate, cross(rate, frame.offset)))
     inertial = add(inertial, scale(2.0, cross(rate, frame.offset_rate)))
-    inertial = add(inertial, (zero, frame.speed * rate[2], -frame.speed * rate[1]))
+    inertial = add(inertial, (0.0, frame.speed * rate[2], -frame.speed * rate[1]))
     lever = cross(section.rate, frame.offset)
-    along = (1.0 + lever[0], lever[1], lever[2])
-    directions = (along, (zero, 1.0 + zero, zero), (zero, zero, 1.0 + zero))
+    directions = ((1.0 + lever[0], lever[1], lever[2]), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     held, mass = (bodies.held[i, 0], bodies.held[i, 1], bodies.held[i, 2]), bodies.mass[i]
-    free = subtract(scale(1.0 / mass, force), inertial)
-    solved = constrained(directions, directions, free, held, (path, zero, zero))
-    return Acceleration(solved.values, scale(mass, solved.reactions))
+    momenta = (scale(mass, directions[0]), scale(mass, directions[1]), scale(mass, directions[2]))
+    return constrained(directions, momenta, subtract(force, scale(mass, inertial)), held, (path, 0.0, 0.0))
 
 
 @analytic
@@ -199,10 +203,10 @@ def rotation(
     i: int,
     section: Section,
     frame: FrameMotion,
-    rate: Complex,
+    rate: Array,
     moment: Vector,
-    path: complex,
-    rolling: complex,
+    path: float,
+    rolling: float,
 ) -> Acceleration:
     """Second derivatives rad/s2 of roll, pitch and yaw of body i; the pitch of a wheelset with nominal rolling.
 
@@ -214,8 +218,7 @@ def rotation(
         path: acceleration along the path, m/s2.
         rolling: second derivative of the nominal pitch, rad/s2.
     """
-    zero, axes = 0.0 * path, frame.rotation
-    vertical = (zero, zero, 1.0 + zero)
+    axes, vertical = frame.rotation, (0.0, 0.0, 1.0)
     yaw_rate, roll_rate, spin = scale(rate[5], vertical), scale(rate[3], frame.roll_axis), scale(frame.spin, frame.axle)
     before_roll = add(frame.frame_rate, yaw_rate)
     before_spin = add(before_roll, roll_rate)
@@ -233,4 +236,4 @@ def rotation(
     )
     momenta = (multiply(inertia, roll), multiply(inertia, pitch), multiply(inertia, yaw))
     held = (bodies.held[i, 3], bodies.held[i, 4], bodies.held[i, 5])
-    return constrained((roll, pitch, yaw), momenta, free, held, (zero, rolling, zero))
+    return constrained((roll, pitch, yaw), momenta, free, held, (0.0, rolling, 0.0))

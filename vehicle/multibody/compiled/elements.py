@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from wheelrail.support.arrays import Array, Complex, Nodes
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.vehicle.multibody.compiled.bodies import Motion
 from wheelrail.vehicle.multibody.compiled.vectors import (
     Matrix,
@@ -85,23 +85,37 @@ class ElementArrays(NamedTuple):
 
 
 @analytic
-def law_force(laws: LawArrays, law: int, value: complex) -> complex:
-    """Value of a force law, linear between its points and beyond them."""
-    first, last = laws.first[law], laws.first[law + 1] - 2
-    sign = -1.0 if laws.odd[law] and value.real < 0.0 else 1.0
-    x, i = sign * value, first
-    while i < last and x.real >= laws.abscissae[i + 1]:
+def law_piece(laws: LawArrays, law: int, value: float) -> int:
+    """Index of the first point of the piece of a force law at a value; of an odd law, at its mirror image."""
+    x, last = abs(value) if laws.odd[law] else value, laws.first[law + 1] - 2
+    i: int = laws.first[law]
+    while i < last and x >= laws.abscissae[i + 1]:
         i += 1
-    slope = (laws.forces[i + 1] - laws.forces[i]) / (laws.abscissae[i + 1] - laws.abscissae[i])
+    return i
+
+
+@analytic
+def law_slope(laws: LawArrays, law: int, value: float) -> float:
+    """Slope of a force law, at a point that behind it."""
+    i = law_piece(laws, law, value)
+    slope: float = (laws.forces[i + 1] - laws.forces[i]) / (laws.abscissae[i + 1] - laws.abscissae[i])
+    return slope
+
+
+@analytic
+def law_force(laws: LawArrays, law: int, value: float) -> float:
+    """Value of a force law, linear between its points and beyond them."""
+    sign, i = -1.0 if laws.odd[law] and value < 0.0 else 1.0, law_piece(laws, law, value)
     point = i if laws.abscissae[i] >= 0.0 else i + 1  # the end nearer to zero: mirrored laws agree bit for bit
-    force: complex = sign * (slope * (x - laws.abscissae[point]) + laws.forces[point])
+    rise = law_slope(laws, law, value) * (sign * value - laws.abscissae[point])
+    force: float = sign * (rise + laws.forces[point])
     return force
 
 
 @analytic
 def direction_force(
-    elements: ElementArrays, e: int, j: int, value: complex, rate: complex, series: Complex, series_rate: Complex
-) -> complex:
+    elements: ElementArrays, e: int, j: int, value: float, rate: float, series: Array, series_rate: Array
+) -> float:
     """Force N on the upper body along direction j of element e; fills the rate of its Maxwell element.
 
     Parameters:
@@ -109,7 +123,7 @@ def direction_force(
         value, rate: deflection m and its rate m/s.
         series, series_rate: (m,) spring deflections m of Maxwell elements and their rates m/s.
     """
-    force: complex = -elements.spring[e, j] * value - elements.damper[e, j] * rate
+    force: float = -elements.spring[e, j] * value - elements.damper[e, j] * rate
     if elements.spring_law[e, j] >= 0:
         force -= law_force(elements.laws, elements.spring_law[e, j], value)
     if elements.damper_law[e, j] >= 0:
@@ -157,7 +171,7 @@ def element_axes(turn: float, upper: Matrix, lower: Matrix) -> Matrix:
 
 @analytic
 def element_state(
-    elements: ElementArrays, e: int, upper: Motion, lower: Motion, series: Complex, series_rate: Complex
+    elements: ElementArrays, e: int, upper: Motion, lower: Motion, series: Array, series_rate: Array
 ) -> ElementState:
     """Deflection and force of element e, parameters as for `element_wrench`."""
     arms, turn = (elements.upper_arm, elements.lower_arm), elements.turn[e]
@@ -184,8 +198,8 @@ def element_wrench(
     upper: Motion,
     lower: Motion,
     wheelset: float,
-    series: Complex,
-    series_rate: Complex,
+    series: Array,
+    series_rate: Array,
 ) -> ElementWrench:
     """Force and moments of element e.
 

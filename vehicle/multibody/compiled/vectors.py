@@ -1,4 +1,4 @@
-"""Vectors of three complex numbers, and rotation matrices as three columns, in compiled code."""
+"""Vectors of three numbers, real or complex, and matrices as three columns, in compiled code."""
 
 from __future__ import annotations
 
@@ -7,28 +7,31 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from wheelrail.support.arrays import Complex
+from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import unchecked
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-Vector = tuple[complex, complex, complex]
+Number = Any  # float or complex
+Vector = tuple[Number, Number, Number]
 Matrix = tuple[Vector, Vector, Vector]  # columns
 
 
 def analytic(function: F) -> F:
-    """The function as machine code for complex numbers, without checks, which cost compile time."""
+    """The function as machine code for real and, where derivatives are taken by complex steps, for complex numbers,
+    without checks, which cost compile time.
+    """
     return unchecked(function)
 
 
 @analytic
-def store(values: Complex, vector: Vector) -> None:
+def store(values: Array, vector: Vector) -> None:
     """Fill three values."""
     values[0], values[1], values[2] = vector
 
 
 @analytic
-def load(values: Complex) -> Vector:
+def load(values: Array) -> Vector:
     """Three values."""
     return values[0], values[1], values[2]
 
@@ -44,7 +47,7 @@ def subtract(a: Vector, b: Vector) -> Vector:
 
 
 @analytic
-def scale(factor: complex, a: Vector) -> Vector:
+def scale(factor: Number, a: Vector) -> Vector:
     return factor * a[0], factor * a[1], factor * a[2]
 
 
@@ -55,7 +58,7 @@ def multiply(a: Vector, b: Vector) -> Vector:
 
 
 @analytic
-def dot(a: Vector, b: Vector) -> complex:
+def dot(a: Vector, b: Vector) -> Number:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -93,7 +96,42 @@ def relative_rotation(a: Matrix, b: Matrix) -> Matrix:
 
 
 @analytic
-def body_rotation(roll: complex, pitch: complex, yaw: complex) -> Matrix:
+def transposed(a: Matrix) -> Matrix:
+    x, y, z = a
+    return (x[0], y[0], z[0]), (x[1], y[1], z[1]), (x[2], y[2], z[2])
+
+
+@analytic
+def plus(a: Matrix, b: Matrix) -> Matrix:
+    return add(a[0], b[0]), add(a[1], b[1]), add(a[2], b[2])
+
+
+@analytic
+def times(factor: Number, a: Matrix) -> Matrix:
+    return scale(factor, a[0]), scale(factor, a[1]), scale(factor, a[2])
+
+
+@analytic
+def crossing(a: Vector) -> Matrix:
+    """Matrix of the product a x."""
+    zero = 0.0 * a[0]
+    return (zero, a[2], -a[1]), (-a[2], zero, a[0]), (a[1], -a[0], zero)
+
+
+@analytic
+def dyad(a: Vector, b: Vector) -> Matrix:
+    """Matrix of the product a (b .)."""
+    return scale(b[0], a), scale(b[1], a), scale(b[2], a)
+
+
+@analytic
+def similar(axes: Matrix, a: Matrix) -> Matrix:
+    """A matrix in the components along axes, in those in which the axes are."""
+    return product(product(axes, a), transposed(axes))
+
+
+@analytic
+def body_rotation(roll: Number, pitch: Number, yaw: Number) -> Matrix:
     """Rz(yaw) Rx(roll) Ry(pitch) of angles rad."""
     cr, sr, cp, sp, cy, sy = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch), np.cos(yaw), np.sin(yaw)
     return (
