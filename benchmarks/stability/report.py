@@ -77,7 +77,7 @@ def show(outcomes: list[SolveOutcome]) -> str:
                 values = np.array([getattr(o, f"{figure}_differs") for o in converged if o.rough == rough])
                 values = values[np.isfinite(values)]
                 if len(values):
-                    which = ", too few strips" if rough else ""
+                    which = ", few strips" if rough else ""
                     beyond = "| |" if rough else f"| {bound:g} | {int((values > bound).sum())} |"
                     lines.append(f"| {figure} against twin{which} | {_spread(values)} {beyond}")
         starts = np.array([o.history for o in converged])
@@ -88,7 +88,7 @@ def show(outcomes: list[SolveOutcome]) -> str:
         without_force = sum(not np.isfinite(o.force_differs) for o in twins)
         rough_ones = sum(o.rough for o in converged)
         if rough_ones:
-            lines.append(f"\n{rough_ones} say that a patch has too few strips: their force, area and gaps are rough")
+            lines.append(f"\n{rough_ones} say that a patch has few strips: their area and gaps are rough")
         lines += [f"\n{len(twins)} compared with a twin, {without_force} of which had no force to compare"]
     reasons = Counter(f"{kind(o)}: {o.reason}" for o in outcomes if o.kind == "no answer")
     lines += ["\n## Without an answer\n", *(f"- {number} x {reason}" for reason, number in reasons.most_common())]

@@ -14,7 +14,9 @@ from wheelrail.contact.kinematics.frames import MIRROR, Pose, cross
 from wheelrail.contact.results.error_estimate import ErrorEstimate
 from wheelrail.support.arrays import Array, Mask, Nodes
 
-FEWEST_STRIPS = 5  # across a patch: with fewer the force of an ellipse at a given approach errs by more than 2 %
+# Across a patch: with fewer its area and peak pressure err by several per cent, and its force by more than 2 % where it
+# is small beside a wide one or few strips are asked for.
+FEWEST_STRIPS = 5
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ class Patch:
 
     @property
     def rough(self) -> bool:
-        """Whether the strips across are too few for its force and area."""
+        """Whether the strips across are too few for its area and peak pressure."""
         return 0 < self.strips < FEWEST_STRIPS
 
     def mirrored(self) -> Patch:
