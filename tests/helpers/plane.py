@@ -42,7 +42,7 @@ def in_frame(dynamics: VehicleDynamics, frame: Frame, state: Array, wrench: Arra
     left /= np.linalg.norm(left)
     axes = np.stack([np.cross(left, normal), left, normal])  # rows: x, y and z in space
     sections = np.array([np.zeros(3), *axes.T, rate, slope])
-    at = np.tile(sections, (len(dynamics.vehicle.names), 1, 1)).astype(np.complex128)
+    at = np.tile(sections, (len(dynamics.vehicle.names), 1, 1))
     travel = TrackPosition(0.0, frame.speed, frame.acceleration)
     rates, reactions = dynamics.bodies.accelerations(travel, state, wrench[None], at)
     return rates, float(reactions[2, YAW] / np.cos(state[ROLL]))

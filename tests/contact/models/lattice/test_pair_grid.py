@@ -54,10 +54,11 @@ def test_antiderivatives_of_strips_have_no_kinks() -> None:
     assert isinstance(model, LatticeContact)
     tables = model.tables.of(np.arange(40, 42), model.tables.at(np.arange(40, 42), None, 0.1))
     for i, j in ((40, 40), (40, 41)):
-        count = int(tables.cells[i, j]) - 1
+        pair = tables.pair[i, j]
+        count = int(tables.cells[pair]) - 1
         octave, k = np.divmod(np.arange(1, count), CELLS)
-        bounds = (2.0**octave * (1 + k / CELLS) - 1) / tables.inverse[i, j]
-        aside = 1e-12 * (bounds + 1 / tables.inverse[i, j])
+        bounds = (2.0**octave * (1 + k / CELLS) - 1) / tables.inverse[pair]
+        aside = 1e-12 * (bounds + 1 / tables.inverse[pair])
         sides = []
         for x in (bounds - aside, bounds + aside):
             G, slope = np.empty((len(x), 1, 8)), np.empty((len(x), 1, 8))
