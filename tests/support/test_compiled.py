@@ -8,11 +8,15 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+import pytest
+from numba.core.errors import TypingError
 
 from wheelrail.contact.models.standard.polach import polach
-from wheelrail.support.compiled import SOURCES, compiled, private
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import SOURCES, compiled, inner, private
 
 ROOT = Path(__file__).parents[2]
 USES = "from wheelrail.support.compiled import compiled\n"
@@ -228,3 +232,50 @@ def test_a_first_compilation_is_announced(tmp_path: Path) -> None:
     assert messages("empty") == "compiling machine code: up to some minutes, only this once\n"
     assert messages("empty") == ""
     assert messages("another", "-q") == ""
+
+
+class Row(NamedTuple):
+    """A row of an array and a factor."""
+
+    values: Array
+    factor: float
+
+
+@inner
+def scaled_sum(rows: Array, k: int, factor: float) -> float:
+    row, total = Row(rows[k], factor), 0.0
+    for value in row.values:
+        total += row.factor * value
+    return total
+
+
+@compiled
+def sums(count: int, factor: float) -> Array:
+    rows = np.ones((count, 3))
+    return np.array([scaled_sum(rows, k, factor) for k in range(count)])
+
+
+def test_inner_function_takes_slices_of_arrays_of_its_caller() -> None:
+    assert sums(1000, 2.0) == pytest.approx(6.0)
+
+
+def test_inner_function_must_not_return_an_array() -> None:
+    def whole(values: Array) -> tuple[float, Array]:
+        return 0.0, values
+
+    def in_a_tuple(values: Array) -> Row:
+        return Row(values, 1.0)
+
+    for function in (whole, in_a_tuple):
+        with pytest.raises(TypeError, match="returns an array"):
+            inner(function)
+
+
+def test_inner_function_must_not_create_an_array() -> None:
+    @inner
+    def largest_square(values: Array) -> float:
+        squares = values * values
+        return float(squares[0])
+
+    with pytest.raises(TypingError, match="NRT required"):
+        largest_square(np.ones(3))

@@ -20,7 +20,7 @@ from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weigh
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, CHANGES, COMPONENTS, DEGREE, REACH, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.cache import cached, digest
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inner
 
 START = 0.04  # m: cells of 5 mm up to this distance; of 2.5 mm, forces change by 1e-6
 RECIPROCAL = np.array([1, 1, 1, 1, -1, -1, 1, 1])  # signs of the components of the pair in the other order
@@ -174,7 +174,7 @@ def _hats(arc: Array, s: Array) -> Array:
     return values
 
 
-@compiled
+@inner
 def _integral(arc: Array, k: int, s: float) -> float:
     """Integral up to s m of the function that is 1 at line k and 0 at the others, linear in between."""
     total = 0.0
@@ -250,17 +250,17 @@ def pair_means(lines: Array, first: int, share: Array, cells: int) -> PairMeans:
     return PairMeans(lines, first, share, np.empty((pairs, cells, *lines.shape[3:])), np.zeros(pairs, dtype=np.int64))
 
 
-@compiled
-def pair_mean(means: PairMeans, i: int, j: int, cells: int) -> Array:
-    """Coefficients (.., DEGREE + 1, COMPONENTS) of a pair i <= j, valid in some first cells."""
+@inner
+def pair_row(means: PairMeans, i: int, j: int, cells: int) -> int:
+    """Row of the values of a pair i <= j, valid in some first cells."""
     row = j * (j + 1) // 2 + i
-    values: Array = means.values[row]
+    values = means.values[row]
     known, cells = means.known[row], min(cells, len(values))
     if known < cells:
         values[known:cells] = 0.0
         add_pair_mean(means.lines, means.first, means.share[i], means.share[j], values[known:cells], known)
         means.known[row] = cells
-    return values
+    return row
 
 
 @compiled

@@ -11,10 +11,10 @@ from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.short_strips import share, split_table
 from wheelrail.contact.models.lattice.influence.vectors import products
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inner
 
 
-@compiled
+@inner
 def _matrix(G: Array, turn: float, K: Array) -> None:
     """Displacement (row) by force (column) K (R, C, 3, 3) from table values (R, C, 8); turned: (C, R, ..)."""
     for r in range(G.shape[0]):
@@ -26,7 +26,7 @@ def _matrix(G: Array, turn: float, K: Array) -> None:
             k[2, 0], k[2, 1], k[2, 2] = -turn * g[XN], g[TN] - turn * g[TN_TURN], g[NN]
 
 
-@compiled
+@inner
 def _add_cells(K: Array, width: float, place: tuple[int, int], length: float, basis: StripBasis, A: Array) -> None:
     """Slips and displacements of the cells of a strip by unit tractions on those of another, into A (3, n, 3, n).
 
@@ -102,7 +102,7 @@ def normal_displacements(
         for j in range(S):
             first, last = min(strips[i], grid.strip[j]), max(strips[i], grid.strip[j])
             turn = 1.0 if strips[i] == first else -1.0  # reciprocity: the transposed table at the opposite distance
-            if not look_up(tables, first, last, turn * edges[i], turn * grid.x[j, : M + 1], G, None):
+            if not look_up(tables, first, last, edges[i], grid.x[j, : M + 1], G, None, turn):
                 return False, displacement
             start, loads, out, before = G.ctypes.data, jumps[j].ctypes.data, sums.ctypes.data, 0.0
             for r in range(C + 1):

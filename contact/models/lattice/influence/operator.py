@@ -13,7 +13,7 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.body_correction import START as SMOOTH_START
-from wheelrail.contact.models.lattice.influence.body_correction import pair_mean
+from wheelrail.contact.models.lattice.influence.body_correction import pair_row
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.vectors import (
@@ -24,7 +24,7 @@ from wheelrail.contact.models.lattice.influence.vectors import (
     weighted,
 )
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inner
 
 SHIFT = 49  # bits of a double below the three leading ones of its fraction: eight cells an octave
 BIAS = 1023 << 3
@@ -50,17 +50,20 @@ class StripGrid(NamedTuple):
     middle: Array
 
 
-@compiled
-def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: Array, H: Array | None) -> bool:
+@inner
+def look_up(
+    tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: Array, H: Array | None, turn: float = 1.0
+) -> bool:
     """Write G (R, C, 8), and its slope H unless None, at the distances of boundaries rows (R,) on strip i and columns
-    (C,) on j >= i.
+    (C,) on j >= i, with turn = -1 at the opposite distances.
 
     False where they are farther apart than the table reaches.
     """
     whole = len(tables.smooth.values) == 0
     farthest = max(abs(rows[0] - columns[-1]), abs(rows[-1] - columns[0]))
     far = (bits(farthest / SMOOTH_START + 1.0) >> SHIFT) - BIAS + 1  # cells up to there
-    smooth = tables.values if whole else pair_mean(tables.smooth, tables.place[i], tables.place[j], far)
+    row = 0 if whole else pair_row(tables.smooth, tables.place[i], tables.place[j], far)
+    smooth = tables.values if whole else tables.smooth.values[row]
     pair = tables.pair[i, j]
     start, last, inverse = (
         tables.values.ctypes.data + BLOCK * tables.first[pair],
@@ -72,7 +75,7 @@ def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: 
     for r in range(len(rows)):
         for c in range(len(columns)):
             x = rows[r] - columns[c]
-            sign, away = np.copysign(1.0, x), abs(x)
+            sign, away = turn * np.copysign(1.0, x), abs(x)
             z = away * inverse + 1.0
             top = bits(z) >> SHIFT
             cell = top - BIAS
@@ -99,18 +102,20 @@ def look_up(tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: 
     return True
 
 
-@compiled
-def _displaced(sums: Array, turn: float, V: Array) -> None:
-    """Add to V (3,) the components from sums (3, 8) of table values times loads along, across and normal.
+@inner
+def _displaced(sums: Array, turn: float) -> tuple[float, float, float]:
+    """Components from sums (3, 8) of table values times loads along, across and normal.
 
     turn: 1, or -1 for the pair in the other order: by reciprocity the antisymmetric components change their sign.
     """
-    V[0] += sums[0, XX] + sums[1, XT] + turn * (sums[2, XN] + sums[2, ROLL])
-    V[1] += sums[0, XT] + sums[1, TT] + sums[2, TN] + turn * sums[2, TN_TURN]
-    V[2] += sums[1, TN] + sums[2, NN] - turn * (sums[0, XN] + sums[1, TN_TURN])
+    return (
+        sums[0, XX] + sums[1, XT] + turn * (sums[2, XN] + sums[2, ROLL]),
+        sums[0, XT] + sums[1, TT] + sums[2, TN] + turn * sums[2, TN_TURN],
+        sums[1, TN] + sums[2, NN] - turn * (sums[0, XN] + sums[1, TN_TURN]),
+    )
 
 
-@compiled
+@inner
 def _antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Array, V: Array) -> None:
     """Add to V (R, 3) of a strip the effect of jumps (M + 1, 3) of the force per length on another one.
 
@@ -121,16 +126,15 @@ def _antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Arra
     """
     count, start, wide = len(jumps), G.ctypes.data, G.shape[1]
     loads, out = jumps.ctypes.data, sums.ctypes.data
-    total = np.empty(3)
     for r in range(len(V)):
         if turn > 0.0:
             products(start + VECTOR * r * wide, VECTOR, loads, count, out)
         else:
             products(start + VECTOR * r, VECTOR * wide, loads, count, out)
-        total[:] = 0.0
-        _displaced(sums, turn, total)
-        for k in range(3):
-            V[r, k] += sign * total[k]
+        along, across, normal = _displaced(sums, turn)
+        V[r, 0] += sign * along
+        V[r, 1] += sign * across
+        V[r, 2] += sign * normal
 
 
 @compiled
@@ -165,7 +169,7 @@ class WorkSpace(NamedTuple):
     end: Array
 
 
-@compiled
+@inner
 def _add_loads(
     G: Array, width: float, length: float, basis: StripBasis, turn: float, rolls: bool, work: WorkSpace, A: Array
 ) -> None:
@@ -210,7 +214,7 @@ def _add_loads(
             A[M + r, M + c] += factor * (e[c, TT] - e[c + 1, TT])
 
 
-@compiled
+@inner
 def _add_ends(
     H: Array,
     jumps: Array,
@@ -255,7 +259,7 @@ def _add_ends(
             A[M + r, column] += per_slip * across
 
 
-@compiled
+@inner
 def _own_ends(V: Array, slope: Array, grid: StripGrid, i: int, basis: StripBasis, rolls: bool, A: Array) -> None:
     """Add the derivatives by the ends of the displaced strip: boundaries move and lengths change.
 

@@ -13,12 +13,12 @@ from wheelrail.contact.models.lattice.influence.operator import StripGrid, look_
 from wheelrail.contact.models.lattice.influence.pair_grid import NN
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inner
 
 NEAR = 1.0, 2.0  # longest cell over the distance: up to there the steps have decayed, from there on all of it counts
 
 
-@compiled
+@inner
 def share(length: float, loaded: float, distance: float, basis: StripBasis) -> tuple[float, float, float]:
     """Share from 0 to 1 of the split cells in the displacement of a strip, 0 if it is as long as the loaded one, and
     its derivatives 1/m by both lengths.
@@ -56,16 +56,18 @@ def split_jumps(values: Array, width: Array, basis: StripBasis, rolls: bool) -> 
     return jumps
 
 
-@compiled
+@inner
 def split_table(
     tables: PairTables, displaced: int, loaded: int, rows: Array, columns: Array, G: Array, H: Array | None
 ) -> bool:
     """As `look_up` of a displaced and a loaded strip in any order; the component NN is valid."""
     turn = 1.0 if displaced < loaded else -1.0  # reciprocity: the transposed table at the opposite distance
     first, last = min(displaced, loaded), max(displaced, loaded)
-    inside = look_up(tables, first, last, turn * rows, turn * columns, G, H)
+    inside = look_up(tables, first, last, rows, columns, G, H, turn)
     if H is not None:
-        H *= turn
+        for r in range(len(rows)):
+            for c in range(len(columns)):
+                H[r, c, NN] *= turn
     return inside
 
 

@@ -18,7 +18,7 @@ from wheelrail.contact.models.lattice.influence.basis import MOMENTS
 from wheelrail.contact.models.lattice.system.problem import Linearisation
 from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.support.arrays import Array, Single
-from wheelrail.support.compiled import call, compiled
+from wheelrail.support.compiled import call, compiled, inner
 
 Integers = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
@@ -149,7 +149,7 @@ def newton_step(factors: Factors, solver: int, residual: Array) -> Array:
     return step
 
 
-@compiled
+@inner
 def _back_substitute(
     solver: int, lu: Single, pivots: Integers, right: Single, sizes: Integers, transposed: Bytes
 ) -> None:

@@ -12,7 +12,7 @@ from wheelrail.contact.models.lattice.influence.short_strips import split_jumps
 from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.system.surface import GAUSS, ContactLines, penetration
 from wheelrail.support.arrays import Array, Mask, Nodes
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inner
 
 RANGE = 1.2  # half length of the probed range over that of the next loaded strip
 NARROWINGS = 6  # of the range around a maximum, to a third of it each
@@ -95,18 +95,19 @@ def excess(
     return inside, total
 
 
-@compiled
+@inner
 def _maximum(values: Array, low: float, high: float) -> tuple[float, float, float]:
     """Maximum, its place and the curvature of the parabola with the largest of means (C,) over cells and the next ones:
     at the middle of a cell it is higher than its mean by a third of what it falls within half a cell.
     """
     C = len(values)
     step = (high - low) / C
-    k = min(max(int(np.argmax(values)), 1), C - 2)
+    largest = int(np.argmax(values))
+    k = min(max(largest, 1), C - 2)
     left, middle, right = values[k - 1], values[k], values[k + 1]
     place = low + (k + 0.5) * step
     if not np.isfinite(left + middle + right):
-        return float(values.max()), place, 1e-2
+        return values[largest], place, 1e-2
     curvature = max((2.0 * middle - left - right) / (step * step), 1e-2)
     slope = (right - left) / (2.0 * step)
     offset = min(max(slope / curvature, -step), step)

@@ -25,7 +25,7 @@ from wheelrail.contact.models.lattice.system.surface import (
     rigid_shift,
 )
 from wheelrail.support.arrays import Array, Nodes, Single
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inner
 
 
 class StripPlaces(NamedTuple):
@@ -315,7 +315,7 @@ def slip_rows(A: Array, strips: int, cells: int) -> Single:
     return rows
 
 
-@compiled
+@inner
 def friction_rows(A: Array, D: Array, mean: Array) -> None:
     """Replace the slip rows of an operator by those of the friction residual, in place.
 

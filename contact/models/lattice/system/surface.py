@@ -12,7 +12,7 @@ from wheelrail.contact.geometry.wheel_surface import Place, on_circle, write_fra
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inner
 
 CREST_STEPS = 12
 CREST_ERROR = 1e-10  # m
@@ -123,7 +123,7 @@ def _field(body: Twist) -> tuple[Array, Array, Array]:
     return velocity, rotation, reference
 
 
-@compiled
+@inner
 def project(rail: Shape, point: Place, normal: Place, sample: int) -> Projection:
     """Projection of a point with an outward normal; sample: that nearest to a neighbour, -1 without one.
 
@@ -140,7 +140,7 @@ def project(rail: Shape, point: Place, normal: Place, sample: int) -> Projection
     return Projection(depth, at, sample, point, normal, gradient, away, moves)
 
 
-@compiled
+@inner
 def _turned(at: Projection, origin: Array) -> Place:
     """Derivative of the penetration by rotation of the wheel about the axes of space through its origin."""
     rx, ry, rz = at.point[0] - origin[0], at.point[1] - origin[1], at.point[2] - origin[2]
@@ -228,7 +228,7 @@ def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tu
     return penetration(surface, origin, rotation, s, x), x, bend
 
 
-@compiled
+@inner
 def _crest(surface: SurfaceData, origin: Array, rotation: Array, s: float, x: float) -> float:
     """Place m along x of the largest penetration on a line s m of a wheel, by Newton's method from x m.
 
@@ -328,7 +328,7 @@ def frames(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Ar
     return SurfaceFrames(point, axes, forward, turn)
 
 
-@compiled
+@inner
 def _cross(a: Array, b: Array, c: int) -> float:
     """Component c of a cross product."""
     first, second = (c + 1) % 3, (c + 2) % 3
