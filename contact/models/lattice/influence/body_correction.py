@@ -39,7 +39,8 @@ class BodyCorrection:
 
     body: ElementInfluence
     outward: float
-    _filled: set[tuple[int, int]] = field(init=False, default_factory=set, repr=False)
+    _filled: set[tuple[int, int]] = field(init=False, default_factory=set, repr=False)  # pairs of tiles
+    _latest: slice = field(init=False, default_factory=lambda: slice(0, 0), repr=False)  # lines of the latest tiles
 
     @cached_property
     def grid(self) -> PairGrid:
@@ -67,6 +68,8 @@ class BodyCorrection:
         """
         first, last = self.body.window(low, high)
         first, last = max(first - 2, 0), min(last + 2, len(self.body.arc))
+        if self._latest.start <= first and last <= self._latest.stop:
+            return slice(first, last), self._coefficients
         tiles = range(first // TILE, -(-last // TILE))
         for tile in combinations_with_replacement(tiles, 2):
             if tile not in self._filled:
@@ -75,6 +78,7 @@ class BodyCorrection:
                 self._coefficients[rows, columns] = between
                 self._coefficients[columns, rows] = RECIPROCAL * between.swapaxes(0, 1)
                 self._filled.add(tile)
+        self._latest = slice(TILE * tiles.start, TILE * tiles.stop)
         return slice(first, last), self._coefficients
 
     def _between(self, rows: slice, columns: slice) -> Array:

@@ -16,9 +16,7 @@ from wheelrail.contact.models.lattice.solver.remaining import (
     Probes,
     Remaining,
     excess,
-    next_to_deeper,
-    next_to_loaded,
-    remaining,
+    search,
 )
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
@@ -47,6 +45,9 @@ class Overlaps(NamedTuple):
         return np.column_stack([self.middle - self.half, self.middle + self.half])
 
 
+NO_OVERLAPS = Overlaps(np.empty(0, dtype=int), np.empty(0), np.empty(0))
+
+
 def entering(
     problem: LatticeProblem, state: LatticeState, barred: set[int], least: float = EXCESS
 ) -> LatticeState | None:
@@ -64,27 +65,21 @@ def penetrating(problem: LatticeProblem, state: LatticeState, barred: set[int], 
     if not rest.inside:
         raise OutsideSurface(TOO_LONG)
     enters = rest.depth > least * problem.approach
+    if not enters.any():
+        return NO_OVERLAPS
     half = np.minimum(MARGIN * np.sqrt(2 * rest.depth[enters] / rest.curvature[enters]), rest.half[enters])
     return Overlaps(rest.strips[enters], rest.place[enters], half)
 
 
 def _remaining(problem: LatticeProblem, state: LatticeState, barred: set[int]) -> Remaining:
-    """Remaining penetration of the strips that may enter: of those that are probed at first or next to loaded ones, and
-    of further ones as long as it grows from strip to strip.
-    """
-    taken = np.zeros(len(problem.depth), dtype=np.bool_)
-    taken[state.strips] = True
-    known = problem.probed | taken
-    further = next_to_loaded(state.strips, known, problem.near)
-    taken[list(barred)] = True
+    """`search` of the strips that may enter."""
+    places = _probes(problem), problem.lines, problem.probed, problem.near, np.array(sorted(barred), dtype=int)
     while True:
-        known |= further
-        free = np.flatnonzero(known & ~taken)
-        data = problem.of(state.strips)._replace(tables=problem.pairs(np.flatnonzero(known)))
-        rest = remaining(state.values, data, _probes(problem), problem.lines, free)
-        further = next_to_deeper(free, rest.highest, known, problem.near)
-        if not further.any():
+        data = problem.of(state.strips)._replace(tables=problem.pairs(state.strips))
+        complete, rest, known = search(state.values, data, *places)
+        if complete:
             return rest
+        problem.pairs(known)
 
 
 def remaining_penetration(

@@ -8,6 +8,7 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
+from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.short_strips import split_jumps
 from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.system.surface import GAUSS, ContactLines, penetration
@@ -159,6 +160,50 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
             break
         unsure, low, high = unsure[doubtful], low[doubtful], high[doubtful]
     return Remaining(inside, strips, deepest, place, bend, probed, highest)
+
+
+@compiled
+def search(
+    values: Array, data: EquationData, probes: Probes, lines: ContactLines, probed: Mask, near: Mask, barred: Nodes
+) -> tuple[bool, Remaining, Nodes]:
+    """Remaining penetration of the strips that may enter: of those that are probed at first or next to loaded ones, and
+    of further ones as long as it grows from strip to strip.
+
+    Parameters:
+        values: (S, block) of the loaded strips.
+        data: of their equations.
+        probes, lines: of all K strips.
+        probed: (K,) strips to look at first.
+        near: (K,) strips near to contact.
+        barred: (n,) numbers of strips that must not enter.
+
+    The flag is False where tables of pairs are missing: of those between the strips in the last result.
+    """
+    taken = np.zeros(len(probed), dtype=np.bool_)
+    taken[data.places.strip] = True
+    known = probed | taken
+    known |= next_to_loaded(data.places.strip, known, near)
+    taken[barred] = True
+    while True:
+        free = np.flatnonzero(known & ~taken)
+        if not _paired(data.tables, data.places.strip, free):
+            none, nowhere = np.empty(0), free[:0]
+            return False, Remaining(False, nowhere, none, none, none, none, none), np.flatnonzero(known)
+        rest = remaining(values, data, probes, lines, free)
+        further = next_to_deeper(free, rest.highest, known, near)
+        if not further.any():
+            return True, rest, free
+        known |= further
+
+
+@inner
+def _paired(tables: PairTables, loaded: Nodes, free: Nodes) -> bool:
+    """Whether there are tables for all pairs of a loaded strip and a free one."""
+    for i in loaded:
+        for k in free:
+            if tables.pair[min(i, k), max(i, k)] == 0:
+                return False
+    return True
 
 
 @compiled
