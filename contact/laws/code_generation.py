@@ -70,6 +70,15 @@ def slopes(index, q, s, p, rho, speed, eps, parameters):
     return out
 
 
+def slopes_at(q, s, p, rho, counts, numbers, parameters, out):
+    n, own = carray(counts, (2,))
+    speed, eps = carray(numbers, (2,))
+    carray(out, (n, 12))[:] = slopes(
+        np.arange(n), carray(q, (2, n)), carray(s, (2, n)), carray(p, (n,)), carray(rho, (n,)), speed, eps,
+        carray(parameters, (own,)),
+    )
+
+
 def bounded_slopes(index, q, s, bound, rho, eps):
     out = np.zeros((len(index), 12))
     for k in range(len(index)):

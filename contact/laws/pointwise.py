@@ -28,7 +28,7 @@ from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.compiled import address, compiled, folder
 
 NUMBERS = types.CPointer(types.float64)
-RESIDUAL_AT = types.void(*[NUMBERS] * 4, types.CPointer(types.int64), *[NUMBERS] * 3)
+AT_POINTS = types.void(*[NUMBERS] * 4, types.CPointer(types.int64), *[NUMBERS] * 3)
 WITHOUT_UFL = "none"  # in place of UFL's stamp
 # A law of each class, with any constants: they are arguments of the generated functions.
 FRICTION_LAWS: tuple[FrictionLaw, ...] = Coulomb(), FallingFriction.polach(), Stribeck(0.3, 0.2, 1.0)
@@ -65,7 +65,12 @@ class FrictionFunctions:
     @cached_property
     def residual_address(self) -> int:
         """Address of `residual` for `wheelrail.contact.laws.residual_call`."""
-        return address(self.code.residual_at, RESIDUAL_AT)
+        return address(self.code.residual_at, AT_POINTS)
+
+    @cached_property
+    def slopes_address(self) -> int:
+        """Address of `slopes` at all points, likewise."""
+        return address(self.code.slopes_at, AT_POINTS)
 
     def bounded_residual(self, q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, float]:
         """F (2, n) Pa and its norm for given bounds."""

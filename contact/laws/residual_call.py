@@ -1,4 +1,4 @@
-"""Compiled: call of a friction residual by its address, so that compiled loops serve every law."""
+"""Compiled: calls of a friction residual and its slopes by address, so that compiled loops serve every law."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ class ResidualCode(NamedTuple):
     """Friction law for compiled code.
 
     Parameters:
-        address: of the residual; 0 without friction.
+        address, slopes_address: of the residual and of its slopes; 0 without friction.
         parameters: of the law.
         regularisation: creepage eps.
     """
 
     address: int
+    slopes_address: int
     parameters: Array
     regularisation: float
 
     @classmethod
     def of(cls, functions: FrictionFunctions, regularisation: float) -> ResidualCode:
-        return cls(functions.residual_address, functions.parameters, regularisation)
+        return cls(functions.residual_address, functions.slopes_address, functions.parameters, regularisation)
 
 
 @compiled
@@ -39,9 +40,18 @@ def friction_residual(law: ResidualCode, q: Array, s: Array, p: Array, rho: Arra
 
 
 @compiled
+def friction_slopes(law: ResidualCode, q: Array, s: Array, p: Array, rho: Array, speed: float) -> Array:
+    """Slopes (n, 12) of `FrictionFunctions.slopes`, from contiguous arrays."""
+    slopes = np.empty((len(p), 12))
+    counts, numbers = np.array([len(p), len(law.parameters)]), np.array([speed, law.regularisation])
+    _write(law.slopes_address, q, s, p, rho, counts, numbers, law.parameters, slopes)
+    return slopes
+
+
+@compiled
 def _write(
-    address: int, q: Array, s: Array, p: Array, rho: Array, counts: Nodes, numbers: Array, parameters: Array, F: Array
+    address: int, q: Array, s: Array, p: Array, rho: Array, counts: Nodes, numbers: Array, parameters: Array, out: Array
 ) -> None:
-    """Call the residual; as parameters of a function, the arrays outlive the call."""
+    """Call a function; as parameters of this one, the arrays outlive the call."""
     points = q.ctypes.data, s.ctypes.data, p.ctypes.data, rho.ctypes.data
-    call(address, (*points, counts.ctypes.data, numbers.ctypes.data, parameters.ctypes.data, F.ctypes.data))
+    call(address, (*points, counts.ctypes.data, numbers.ctypes.data, parameters.ctypes.data, out.ctypes.data))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numba.core.errors import TypingError
+from numba.core.errors import NumbaError
 
 from wheelrail.contact.models.standard.polach import polach
 from wheelrail.support.arrays import Array
@@ -277,5 +277,5 @@ def test_inner_function_must_not_create_an_array() -> None:
         squares = values * values
         return float(squares[0])
 
-    with pytest.raises(TypingError, match="NRT required"):
+    with pytest.raises(NumbaError, match="NRT required"):
         largest_square(np.ones(3))

@@ -25,9 +25,9 @@ from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.chords import chords
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
 from wheelrail.contact.models.lattice.solver.entry import entering, penetrating
-from wheelrail.contact.models.lattice.solver.factors import Factors, back_substitution
+from wheelrail.contact.models.lattice.solver.factors import lapack
+from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS, KeptFactors
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.system.equations import Evaluation
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
@@ -202,14 +202,14 @@ class LatticeContact:
         if not remain.any():
             return None
         state = earlier.state.at(remain)
-        kept: tuple[Factors, Evaluation] | None = None
+        kept = NO_FACTORS
         try:
             if remain.all():
                 steps = chords(
                     state.values,
                     problem.of(state.strips),
                     earlier.factors,
-                    back_substitution(),
+                    lapack(),
                     self.tolerance,
                     FARTHEST,
                 )
@@ -226,7 +226,7 @@ class LatticeContact:
                 elif steps.leaves.any():
                     state = state.at(~steps.leaves)
                 else:
-                    kept = earlier.factors, steps.evaluation
+                    kept = KeptFactors(True, earlier.factors, steps.evaluation)
             return LatticeNewton(problem, self.tolerance, count).solve(state, WARM_ITERATIONS, FARTHEST, kept)
         except (NotConverged, OutsideSurface) as error:
             log.debug("from the earlier result: %s", error)

@@ -19,13 +19,14 @@ from wheelrail.contact.models.lattice.influence.operator import antiderivatives,
 from wheelrail.contact.models.lattice.solver.factors import Factors
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import (
+    Linearisation,
     cell_frames,
     force_jumps,
     resultants,
     strip_grid,
 )
 from wheelrail.contact.models.lattice.system.equations import rigid_slip as rigid_slip_of
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem, Linearisation
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import GAUSS, crest_changes, frames
 from wheelrail.contact.solvers.tangent import co_moving_load
 from wheelrail.support.arrays import Array

@@ -25,11 +25,12 @@ from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
-from wheelrail.contact.models.lattice.solver.factors import Factors
+from wheelrail.contact.models.lattice.solver import newton
+from wheelrail.contact.models.lattice.solver.factors import Factors, lapack
+from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS, iterate
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.solver.renewal import renewed
-from wheelrail.contact.models.lattice.system.equations import Evaluation, friction_rows, linearise, rigid_slip
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem, Linearisation
+from wheelrail.contact.models.lattice.system.equations import Linearisation, friction_rows, linearise, rigid_slip
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -338,15 +339,16 @@ def test_memory_and_time_are_told_before_or_refused(
 
 
 def test_ctrl_c_ends_newtons_method_at_its_next_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    steps, linearise = [], LatticeProblem.linearise
+    steps = []
 
-    def interrupted(problem: LatticeProblem, state: LatticeState) -> Any:
-        steps.append(len(state.strips))
+    def interrupted(values: Array, *arguments: Any) -> Any:
+        steps.append(len(values))
         os.kill(os.getpid(), signal.SIGINT)
-        return linearise(problem, state)
+        return iterate(values, *arguments)
 
     contact = ellipse(0.3)
-    monkeypatch.setattr(LatticeProblem, "linearise", interrupted)
+    monkeypatch.setattr(newton, "iterate", interrupted)
+    monkeypatch.setattr(newton, "UNINTERRUPTED", 0.0)
     with pytest.raises(KeyboardInterrupt), deferred_interrupts():
         contact(hertz_pose(exact().approach), flowing(1e-3), None)
     assert len(steps) == 1
@@ -414,7 +416,7 @@ def test_solutions_are_refined_to_double_precision(smallest: float) -> None:
     left, right = (np.linalg.qr(random.standard_normal((n, n)))[0] for _ in range(2))
     scaled = left @ np.diag(np.geomspace(1.0, smallest, n)) @ right
     slips, slopes = np.zeros((strips, 2 * cells, n), dtype=np.float32), np.zeros((strips, cells, 12))
-    evaluation = Evaluation(True, *(np.zeros(0),) * 6)
+    evaluation = NO_FACTORS.evaluation
     at = Linearisation(evaluation, np.eye(n), np.ones((strips, cells)), slips, slopes)
     empty = Factors.of(at)
     jacobian = scaled / (empty.rows[:, None] * empty.columns)
@@ -434,7 +436,7 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
     at, problem = start(contact(place, "left")), contact.model.problem(*contact.mounting.left_pair(place))
     linearisation, mean = problem.linearise(at), problem.basis.mean
     factors = Factors.of(linearisation)
-    assert renewed(factors, linearisation.slopes, mean) is None
+    assert not renewed(factors, linearisation.slopes, mean, lapack())[0]
     sticks = np.abs(linearisation.slopes[..., 8:10]).max(axis=-1) < 1e-6
     assert sticks.any()
     assert not sticks.all()
@@ -445,8 +447,8 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
     for cells in (few, few & sticks):
         slopes = linearisation.slopes.copy()
         slopes[cells & sticks], slopes[cells & ~sticks] = (slopes[*other] for other in reversed(others))
-        present = renewed(factors, slopes, mean)
-        assert present is not None
+        changed, present = renewed(factors, slopes, mean, lapack())
+        assert changed
         assert len(present.gather) == 2 * cells.sum()
         _, operator, _ = linearise(at.values, problem.of(at.strips))
         friction_rows(operator, slopes, mean)
@@ -458,7 +460,7 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
         factors = present
     few[:] = True
     slopes[few & sticks], slopes[few & ~sticks] = (slopes[*other] for other in reversed(others))
-    assert renewed(factors, slopes, mean) is None
+    assert not renewed(factors, slopes, mean, lapack())[0]
 
 
 def test_cells_that_begin_to_slip_need_no_jacobian() -> None:

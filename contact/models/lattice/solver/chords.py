@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.solver.factors import Factors, newton_step
+from wheelrail.contact.models.lattice.solver.factors import Factors, Lapack, newton_step
 from wheelrail.contact.models.lattice.system.equations import EquationData, Evaluation, evaluate
 from wheelrail.contact.models.lattice.system.state import leaving, longest, moved, relative_size
 from wheelrail.support.arrays import Array, Mask
@@ -38,7 +38,7 @@ class ChordState(NamedTuple):
 
 @compiled
 def chords(
-    values: Array, data: EquationData, factors: Factors, solver: int, tolerance: float, farthest: float
+    values: Array, data: EquationData, factors: Factors, solver: Lapack, tolerance: float, farthest: float
 ) -> ChordState:
     """Steps from values (S, block) as long as they contract and no strip leaves.
 

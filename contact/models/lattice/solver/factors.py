@@ -15,13 +15,14 @@ from numba.extending import get_cython_function_address
 from numpy.typing import NDArray
 
 from wheelrail.contact.models.lattice.influence.basis import MOMENTS
-from wheelrail.contact.models.lattice.system.problem import Linearisation
+from wheelrail.contact.models.lattice.system.equations import Linearisation
 from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.support.arrays import Array, Single
 from wheelrail.support.compiled import call, compiled, inner
 
 Integers = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
+SINGULAR = "the Jacobian of the contact is singular"
 REFINEMENTS = 2  # of a solution to double precision
 REFINED = 1e-6  # of the solution: largest second correction
 STRESS, LENGTH, GAP = 1e9, 1e-3, 1e-6  # Pa, m, m: scales of the unknowns and of the moments
@@ -56,19 +57,10 @@ class Factors(NamedTuple):
     @classmethod
     def of(cls, linearisation: Linearisation) -> Factors:
         """Factors of a Jacobian. Raises NotConverged if it is singular."""
-        jacobian, rho, slopes = linearisation.jacobian, linearisation.rho, linearisation.slopes
-        S, n = len(rho), len(jacobian)
-        block = n // S
-        rows, columns = np.full((S, block), 1 / STRESS), np.full((S, block), STRESS)
-        rows[:, block - MOMENTS :], columns[:, block - 2 :] = 1 / GAP, LENGTH
-        rows, columns = rows.ravel(), columns.ravel()
-        # of the transpose: no copy
-        lu, pivots, info = la.lapack.sgetrf(_scaled(jacobian, rows, columns).T, overwrite_a=1)
-        if info:
-            raise NotConverged("the Jacobian of the contact is singular")
-        slips = linearisation.slips * columns.astype(np.float32)
-        none = np.zeros((n, 0), dtype=np.float32), np.zeros((0, n), dtype=np.float32)
-        return cls(lu.T, (pivots + 1).astype(np.int32), rows, columns, rho, slips, slopes, slopes, *none)
+        regular, factors = factorised(linearisation, lapack())
+        if not regular:
+            raise NotConverged(SINGULAR)
+        return factors
 
     def fit(self, values: Array, block: int, cells: int) -> bool:
         """Whether they are those of a state with values (S, block) of strips with cells, also where they are read from
@@ -91,7 +83,7 @@ class Factors(NamedTuple):
 
     def step(self, residual: Array) -> Array:
         """Step (S, block) that cancels the linearised residual (S, block)."""
-        return newton_step(self, back_substitution(), residual)
+        return newton_step(self, lapack(), residual)
 
     def solve(self, jacobian: Array, right: Array) -> Array:
         """Solution (n, k) in double precision for right-hand sides (n, k), with the Jacobian (n, n) of these factors,
@@ -114,49 +106,83 @@ class Factors(NamedTuple):
         return np.asarray(self.columns[:, None] * solution)
 
 
-@compiled
-def _scaled(jacobian: Array, rows: Array, columns: Array) -> Single:
-    """The Jacobian (n, n) in the units of `Factors`."""
-    n = len(jacobian)
-    scaled = np.empty((n, n), dtype=np.float32)
-    for i in range(n):
-        for k in range(n):
-            scaled[i, k] = rows[i] * jacobian[i, k] * columns[k]
-    return scaled
+class Lapack(NamedTuple):
+    """Addresses of functions of LAPACK: LU factors in single precision, and solution with them."""
+
+    sgetrf: int
+    sgetrs: int
 
 
 @cache
-def back_substitution() -> int:
-    """Address of LAPACK's sgetrs."""
-    return int(get_cython_function_address("scipy.linalg.cython_lapack", "sgetrs"))
+def lapack() -> Lapack:
+    """Those of SciPy's library."""
+    return Lapack(*(int(get_cython_function_address("scipy.linalg.cython_lapack", name)) for name in Lapack._fields))
 
 
 @compiled
-def newton_step(factors: Factors, solver: int, residual: Array) -> Array:
-    """Step (S, block) that cancels the linearised residual (S, block); solver: `back_substitution`."""
+def factorised(at: Linearisation, solver: Lapack) -> tuple[bool, Factors]:
+    """Factors of a Jacobian, and whether it is regular."""
+    S, n = len(at.rho), len(at.jacobian)
+    block = n // S
+    rows, columns = np.full(n, 1 / STRESS), np.full(n, STRESS)
+    for i in range(S):
+        rows[(i + 1) * block - MOMENTS : (i + 1) * block] = 1 / GAP
+        columns[(i + 1) * block - 2 : (i + 1) * block] = LENGTH
+    lu = np.empty((n, n), dtype=np.float32)  # LAPACK sees the transpose
+    for i in range(n):
+        for k in range(n):
+            lu[i, k] = rows[i] * at.jacobian[i, k] * columns[k]
+    slips = np.empty_like(at.slips)
+    for i in range(slips.shape[0]):
+        for r in range(slips.shape[1]):
+            for c in range(n):
+                slips[i, r, c] = at.slips[i, r, c] * np.float32(columns[c])
+    pivots, sizes = np.empty(n, dtype=np.int32), np.array([n, n, n, 0], dtype=np.int32)  # rows, columns, of lu, flag
+    _factorise(solver.sgetrf, lu, pivots, sizes)
+    spread, gather = np.zeros((n, 0), dtype=np.float32), np.zeros((0, n), dtype=np.float32)
+    factors = Factors(lu, pivots, rows, columns, at.rho, slips, at.slopes, at.slopes, spread, gather)
+    return sizes[3] == 0, factors
+
+
+@compiled
+def newton_step(factors: Factors, solver: Lapack, residual: Array) -> Array:
+    """Step (S, block) that cancels the linearised residual (S, block)."""
     n, rank = len(factors.rows), len(factors.gather)
-    scaled, values = np.empty(n, dtype=np.float32), residual.ravel()
+    scaled, values = np.empty((1, n), dtype=np.float32), residual.ravel()
     for k in range(n):
-        scaled[k] = -factors.rows[k] * values[k]
-    sizes = np.array([n, 1, n, n, 0], dtype=np.int32)  # n, right-hand sides, leading dimensions, flag
-    _back_substitute(solver, factors.lu, factors.pivots, scaled, sizes, np.array([84], dtype=np.uint8))
+        scaled[0, k] = -factors.rows[k] * values[k]
+    back_substitute(factors, solver, scaled)
+    solution = scaled[0]
     if rank:
-        scaled -= np.dot(factors.spread, np.dot(factors.gather, scaled))
+        solution -= np.dot(factors.spread, np.dot(factors.gather, solution))
     step = np.empty(residual.shape)
     flat = step.ravel()
     for k in range(n):
-        flat[k] = factors.columns[k] * scaled[k]
+        flat[k] = factors.columns[k] * solution[k]
     return step
 
 
+@compiled
+def back_substitute(factors: Factors, solver: Lapack, right: Single) -> None:
+    """Replace right-hand sides (k, n) by the solutions with factors that are not corrected."""
+    n = len(factors.rows)
+    sizes = np.array([n, len(right), n, n, 0], dtype=np.int32)  # n, right-hand sides, leading dimensions, flag
+    _solve(solver.sgetrs, factors.lu, factors.pivots, right, sizes, np.array([84], dtype=np.uint8))
+
+
 @inner
-def _back_substitute(
-    solver: int, lu: Single, pivots: Integers, right: Single, sizes: Integers, transposed: Bytes
-) -> None:
+def _factorise(function: int, lu: Single, pivots: Integers, sizes: Integers) -> None:
+    """Factorise in place; as parameters of a function, the arrays outlive the call."""
+    at = sizes.ctypes.data
+    call(function, (at, at + 4, lu.ctypes.data, at + 8, pivots.ctypes.data, at + 12))
+
+
+@inner
+def _solve(function: int, lu: Single, pivots: Integers, right: Single, sizes: Integers, transposed: Bytes) -> None:
     """Solve in place; as parameters of a function, the arrays outlive the call."""
     at = sizes.ctypes.data
     call(
-        solver,
+        function,
         (
             transposed.ctypes.data,
             at,

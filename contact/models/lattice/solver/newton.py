@@ -8,25 +8,40 @@ from dataclasses import dataclass
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.solver.chords import CONTRACTION, STEPS
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG as TOO_FAR
 from wheelrail.contact.models.lattice.solver.entry import UNCERTAIN, entering
-from wheelrail.contact.models.lattice.solver.factors import Factors
-from wheelrail.contact.models.lattice.solver.renewal import renewed
-from wheelrail.contact.models.lattice.system.equations import Evaluation
+from wheelrail.contact.models.lattice.solver.factors import SINGULAR as SINGULAR_JACOBIAN
+from wheelrail.contact.models.lattice.solver.factors import Factors, lapack
+from wheelrail.contact.models.lattice.solver.iteration import (
+    CONVERGED,
+    LEAVES,
+    NO_FACTORS,
+    NOT_FINITE,
+    OUTSIDE,
+    PAUSED,
+    SINGULAR,
+    TOO_LONG,
+    KeptFactors,
+    Limits,
+    Progress,
+    iterate,
+)
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.system.state import LatticeState, leaving, longest, relative_size
+from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Mask
 from wheelrail.support.interrupts import check_interrupt
 
 log = logging.getLogger(__name__)
 
-HALVINGS = 6  # of a step in the line search
-NEAR = 0.1  # step below which strips may enter
 EXCHANGES = 3  # times that a strip may leave before it must stay out, for the time being
-RENEWED = 0.5  # of a step with renewed factors: largest following one with which they are renewed again
+UNINTERRUPTED = 1e9  # multiplications of factorisations without a look at Ctrl-C: 0.1 s
 RELEASES = 2  # times that such strips may enter again
+FAILURES = {
+    SINGULAR: SINGULAR_JACOBIAN,
+    TOO_LONG: "the first step is too long",
+    NOT_FINITE: "the step of the contact is not finite",
+}
 
 
 @dataclass(eq=False)
@@ -44,9 +59,6 @@ class LatticeNewton:
         problem: equations.
         tolerance: of the last step relative to the largest pressure amplitude and half length.
         count: of iterations, updated: linearisations, and evaluations of the residual as linear iterations.
-
-    As long as steps with old factors contract, the Jacobian is kept. Where they do not since cells have begun to slip
-    or to stick, the factors are renewed for these; otherwise the Jacobian is computed anew.
     """
 
     def __init__(self, problem: LatticeProblem, tolerance: float, count: IterationCount) -> None:
@@ -55,11 +67,7 @@ class LatticeNewton:
         self._releases = 0
 
     def solve(
-        self,
-        state: LatticeState,
-        iterations: int,
-        farthest: float = np.inf,
-        kept: tuple[Factors, Evaluation] | None = None,
+        self, state: LatticeState, iterations: int, farthest: float = np.inf, kept: KeptFactors = NO_FACTORS
     ) -> LatticeSolution:
         """Solution from a state.
 
@@ -71,100 +79,55 @@ class LatticeNewton:
 
         Raises NotConverged, also if the first step exceeds farthest, and OutsideSurface.
         """
-        checked = False  # for strips that enter, since the last change of the set
-        for iteration in range(iterations):
-            check_interrupt()
-            factors, evaluation, exact = self._linearised(state, kept)
-            step = factors.step(evaluation.residual)
-            size, _ = relative_size(state.values, step)
-            if not np.isfinite(size):
-                raise NotConverged("the step of the contact is not finite")
-            if iteration == 0 and size > farthest:
-                raise NotConverged(f"the first step, {size:.1e}, is too long")
-            log.debug("iteration %d: step %.1e, %d strips", iteration, size, len(state.strips))
-            remains = ~leaving(state.values, step, size)
-            if not remains.all():
-                if not remains.any():
-                    raise NotConverged("no strip remains loaded")
-                for strip in state.strips[~remains]:
-                    self._left[int(strip)] = self._left.get(int(strip), 0) + 1
-                log.debug("strips %s leave", state.strips[~remains])
-                state, checked, kept = state.at(remains), False, None
-                continue
-            before = size
-            state, step, contracts, evaluation = self._moved(state, step, factors, evaluation)
-            size, _ = relative_size(state.values, step)
-            kept = (factors, evaluation) if exact or size < RENEWED * before else None
-            converged = size < self.tolerance and (exact or contracts)
-            if converged:
-                state = state.moved(step, 1.0)
-            if converged or (size < NEAR and not checked):
+        entered, done = False, 0  # whether strips have entered since they last changed; iterations
+        while True:
+            at = self._advanced(state, kept, entered, Limits(self.tolerance, farthest, iterations - done))
+            done, farthest = done + at.iterations, np.inf
+            state, kept = LatticeState(state.strips, at.values), at.kept
+            log.debug("iteration %d: step %.1e, %d strips", done, at.size, len(state.strips))
+            if at.event == LEAVES:
+                state, kept, entered = self._without(state, at.leaves), NO_FACTORS, False
+            elif at.event != PAUSED:
                 grown = self._entered(state)
-                if grown is not None:
-                    state, checked, kept = grown, False, None
-                elif converged:
+                if grown is None and at.event == CONVERGED:
                     grown = self._released(state)
                     if grown is None:
-                        self.count.residual = size
-                        return LatticeSolution(state, factors)
-                    state, checked, kept = grown, False, None
-                else:
-                    checked = True
-        raise NotConverged(f"Newton's method did not converge in {iterations} iterations (last step {size:.1e})")
+                        self.count.residual = at.size
+                        return LatticeSolution(state, kept.factors)
+                entered = grown is None
+                if grown is not None:
+                    state, kept = grown, NO_FACTORS
 
-    def _linearised(
-        self, state: LatticeState, kept: tuple[Factors, Evaluation] | None
-    ) -> tuple[Factors, Evaluation, bool]:
-        """Factors at a state, its evaluation, and whether they are those of its Jacobian; otherwise only the friction
-        of the cells is that of the state.
-        """
-        if kept is not None:
-            factors, evaluation = kept
-            slopes = self.problem.friction_slopes(state, evaluation, factors.rho)
-            present = renewed(factors, slopes, self.problem.basis.mean)
-            if present is not None:
-                return present, evaluation, False
-        linearisation = self.problem.linearise(state)
-        self.count.newton += 1
-        return Factors.of(linearisation), linearisation.evaluation, True
+    def _advanced(self, state: LatticeState, kept: KeptFactors, entered: bool, limits: Limits) -> Progress:
+        """Some iterations. Raises NotConverged and OutsideSurface."""
+        check_interrupt()
+        if not limits.iterations:
+            raise NotConverged(f"Newton's method did not converge ({len(state.strips)} strips)")
+        some = min(limits.iterations, max(1, int(UNINTERRUPTED / state.values.size**3)))
+        at = iterate(
+            state.values,
+            self.problem.of(state.strips),
+            kept,
+            entered,
+            limits._replace(iterations=some),
+            lapack(),
+        )
+        self.count.newton += at.linearisations
+        self.count.linear += at.evaluations
+        if at.event == OUTSIDE:
+            raise OutsideSurface(TOO_FAR)
+        if at.event in FAILURES:
+            raise NotConverged(f"{FAILURES[at.event]} (last step {at.size:.1e})")
+        return at
 
-    def _moved(
-        self, state: LatticeState, step: Array, factors: Factors, evaluation: Evaluation
-    ) -> tuple[LatticeState, Array, bool, Evaluation]:
-        """State after a step and further ones with the same factors while they contract; the next one, whether it
-        contracts, and the evaluation. Raises OutsideSurface.
-
-        Affine-invariant line search: Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 3.3.
-        """
-        for _ in range(STEPS):
-            _, before = relative_size(state.values, step)
-            factor = longest(state.values, step)
-            best: tuple[float, LatticeState, Array, Evaluation] | None = None
-            for _ in range(HALVINGS):
-                trial = state.moved(step, factor)
-                self.count.linear += 1
-                try:
-                    evaluation = self.problem.evaluate(trial, factors.rho)
-                except OutsideSurface:
-                    factor *= 0.5
-                    continue
-                following = factors.step(evaluation.residual)
-                _, after = relative_size(state.values, following)
-                if best is None or after < best[0]:
-                    best = after, trial, following, evaluation
-                if after <= (1 - 0.25 * factor) * before:
-                    break
-                factor *= 0.5
-            if best is None:
-                raise OutsideSurface(TOO_LONG)
-            after, state, step, evaluation = best
-            size, _ = relative_size(state.values, step)
-            contracts = factor == 1.0 and after < CONTRACTION * before
-            if size < self.tolerance or not contracts:
-                break
-            if leaving(state.values, step, size).any():
-                break
-        return state, step, contracts, evaluation
+    def _without(self, state: LatticeState, leaves: Mask) -> LatticeState:
+        """The state without strips (S,) that leave. Raises NotConverged if none remains."""
+        if leaves.all():
+            raise NotConverged("no strip remains loaded")
+        for strip in state.strips[leaves].tolist():
+            self._left[strip] = self._left.get(strip, 0) + 1
+        log.debug("strips %s leave", state.strips[leaves])
+        return state.at(~leaves)
 
     def _released(self, state: LatticeState) -> LatticeState | None:
         """The state with strips that enter although they had left too often; None without any.

@@ -9,10 +9,9 @@ J^-1 = J0^-1 - Z (1 + W Z)^-1 W J0^-1,  Z = J0^-1 E.
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg as la
 
 from wheelrail.contact.models.lattice.solver.chords import CONTRACTION
-from wheelrail.contact.models.lattice.solver.factors import Factors
+from wheelrail.contact.models.lattice.solver.factors import Factors, Lapack, back_substitute
 from wheelrail.support.arrays import Array, Nodes, Single
 from wheelrail.support.compiled import compiled
 
@@ -20,25 +19,42 @@ CHANGED = CONTRACTION  # of the slopes of a cell, without dimension: with smalle
 LARGEST = 0.2  # rank over unknowns: of higher ones, new factors take less time
 
 
-def renewed(factors: Factors, slopes: Array, mean: Array) -> Factors | None:
-    """Factors with the present slopes of the friction residual; None where those of no cell have changed since the
-    latest ones, or those of too many since the Jacobian.
+@compiled
+def renewed(factors: Factors, slopes: Array, mean: Array, solver: Lapack) -> tuple[bool, Factors]:
+    """Factors with the present slopes of the friction residual; the flag is False where those of no cell have changed
+    since the latest ones, or those of too many since the Jacobian.
 
     Parameters:
         factors: of an earlier state of the same strips.
         slopes: (S, M, 12), at the present state.
         mean: (M, modes), means of the pressure modes over the cells.
+        solver: LAPACK's functions.
     """
     if not len(changed_cells(factors.present, slopes, factors.rho)):
-        return None
+        return False, factors
     cells = changed_cells(factors.slopes, slopes, factors.rho)
     n, rank = len(factors.rows), 2 * len(cells)
     if rank > LARGEST * n:
-        return None
+        return False, factors
     change, picked = row_changes(factors, slopes, mean, cells)
-    spread, _ = la.lapack.sgetrs(factors.lu.T, factors.pivots - 1, picked, trans=1, overwrite_b=1)
-    gather = np.linalg.solve(np.eye(rank, dtype=np.float32) + change @ spread, change)
-    return factors._replace(present=slopes, spread=np.ascontiguousarray(spread), gather=gather)
+    back_substitute(factors, solver, picked)
+    spread = np.ascontiguousarray(picked.T)
+    small = np.dot(change, spread)
+    for k in range(rank):
+        small[k, k] += np.float32(1.0)
+    gather = np.ascontiguousarray(np.linalg.solve(small, change))
+    return True, Factors(
+        factors.lu,
+        factors.pivots,
+        factors.rows,
+        factors.columns,
+        factors.rho,
+        factors.slips,
+        factors.slopes,
+        slopes,
+        spread,
+        gather,
+    )
 
 
 @compiled
@@ -56,9 +72,7 @@ def changed_cells(before: Array, after: Array, rho: Array) -> Nodes:
 
 @compiled
 def row_changes(factors: Factors, slopes: Array, mean: Array, cells: Nodes) -> tuple[Single, Single]:
-    """Changes (2 k, n) of the rows of some cells (k,) in the units of `Factors`, and the rows (n, 2 k) that change, by
-    columns.
-    """
+    """Changes (2 k, n) of the rows of some cells (k,) in the units of `Factors`, and these rows of the unit matrix."""
     S, M = factors.rho.shape
     n = len(factors.rows)
     block = n // S
@@ -81,4 +95,4 @@ def row_changes(factors: Factors, slopes: Array, mean: Array, cells: Nodes) -> t
                 column = i * block + 2 * M + m
                 row[column] += scale * d[8 + a] * mean[r, m] * factors.columns[column]
             picked[2 * k + a, x + a * M] = 1.0
-    return change, picked.T
+    return change, picked

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.laws.residual_call import ResidualCode, friction_residual
+from wheelrail.contact.laws.residual_call import ResidualCode, friction_residual, friction_slopes
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
@@ -222,9 +222,10 @@ def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> 
 
 
 @compiled
-def _add_friction(values: Array, evaluation: Evaluation, rho: Array, data: EquationData) -> None:
-    """Complete the residual by that of friction; rho (S, M) 1/Pa. The pressure of a trial state may be negative: its
-    bound is zero.
+def _by_cell(values: Array, evaluation: Evaluation) -> tuple[Array, Array, Array]:
+    """Tractions (2, S M) Pa, slips (2, S M) over the speed and pressures (S M,) Pa.
+
+    The pressure of a trial state may be negative: its bound is zero.
     """
     S, M = evaluation.pressure.shape
     q, s, p = np.empty((2, S * M)), np.empty((2, S * M)), np.empty(S * M)
@@ -234,11 +235,35 @@ def _add_friction(values: Array, evaluation: Evaluation, rho: Array, data: Equat
             for k in range(2):
                 q[k, i * M + r] = values[i, k * M + r]
                 s[k, i * M + r] = evaluation.slip[i, k, r]
+    return q, s, p
+
+
+@compiled
+def _add_friction(values: Array, evaluation: Evaluation, rho: Array, data: EquationData) -> None:
+    """Complete the residual by that of friction; rho (S, M) 1/Pa."""
+    S, M = evaluation.pressure.shape
+    q, s, p = _by_cell(values, evaluation)
     F = friction_residual(data.law, q, s, p, rho, data.motion.speed)
     for i in range(S):
         for k in range(2):
             for r in range(M):
                 evaluation.residual[i, k * M + r] = F[k, i * M + r]
+
+
+@compiled
+def slopes_of_friction(values: Array, evaluation: Evaluation, rho: Array, data: EquationData) -> Array:
+    """Slopes (S, M, 12) of the friction residual by traction (4), slip (4), pressure (2) and speed (2); M = 0 without
+    friction.
+    """
+    S, M = evaluation.pressure.shape
+    if not data.motion.speed > 0.0:
+        return np.zeros((S, 0, 12))
+    q, s, p = _by_cell(values, evaluation)
+    slopes = friction_slopes(data.law, q, s, p, rho, data.motion.speed)
+    for n in range(len(p)):
+        if p[n] == 0.0:
+            slopes[n, 8:10] = 0.0
+    return slopes.reshape((S, M, 12))
 
 
 @compiled
@@ -303,18 +328,6 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Arr
     return Evaluation(inside and evaluation.inside, *evaluation[1:]), A, rho
 
 
-@compiled
-def slip_rows(A: Array, strips: int, cells: int) -> Single:
-    """Rows (S, 2 M, n) of the slips of an operator (n, n); M = 0 without tractions."""
-    block = len(A) // strips
-    rows = np.empty((strips, 2 * cells, len(A)), dtype=np.float32)
-    for i in range(strips):
-        for r in range(2 * cells):
-            for c in range(len(A)):
-                rows[i, r, c] = A[i * block + r, c]
-    return rows
-
-
 @inner
 def friction_rows(A: Array, D: Array, mean: Array) -> None:
     """Replace the slip rows of an operator by those of the friction residual, in place.
@@ -343,3 +356,37 @@ def friction_rows(A: Array, D: Array, mean: Array) -> None:
             for m in range(mean.shape[1]):
                 A[x, i * block + 2 * M + m] += d[8] * mean[r, m]
                 A[y, i * block + 2 * M + m] += d[9] * mean[r, m]
+
+
+class Linearisation(NamedTuple):
+    """Equations of a state, linearised.
+
+    Parameters:
+        evaluation: of the residual.
+        jacobian: (n, n).
+        rho: (S, M) 1/Pa, of the friction residual.
+        slips: (S, 2 M, n), derivatives of the slips by the unknowns.
+        slopes: (S, M, 12), of the friction residual, see `slopes_of_friction`.
+    """
+
+    evaluation: Evaluation
+    jacobian: Array
+    rho: Array
+    slips: Single
+    slopes: Array
+
+
+@compiled
+def linearised(values: Array, data: EquationData) -> Linearisation:
+    """Linearisation of a state with values (S, block)."""
+    evaluation, A, rho = linearise(values, data)
+    slopes = slopes_of_friction(values, evaluation, rho, data)
+    S, M = len(values), slopes.shape[1]
+    block = values.shape[1]
+    slips = np.empty((S, 2 * M, len(A)), dtype=np.float32)
+    for i in range(S):
+        for r in range(2 * M):
+            for c in range(len(A)):
+                slips[i, r, c] = A[i * block + r, c]
+    friction_rows(A, slopes, data.basis.mean)
+    return Linearisation(evaluation, A, rho, slips, slopes)

@@ -35,21 +35,11 @@ class CellFriction:
 
     @cached_property
     def code(self) -> ResidualCode:
-        """The residual F (2, n) Pa for compiled code."""
+        """The residual F (2, n) Pa and its slopes for compiled code."""
         return ResidualCode.of(self.functions, self.regularisation)
 
     def margins(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
         """Margins (S, M) Pa from the tractions to their bounds where cells stick, b rho + eps > |y|; zero under slip.
-
-        Parameters as for `slopes`.
-        """
-        q, s, p, r = _by_point(tractions, slip, pressure, rho)
-        bound = self.functions.coefficient(np.hypot(*s) * speed, p) * p
-        sticks = np.hypot(*(r * q - s)) < r * bound + self.regularisation
-        return np.where(sticks, np.maximum(bound - np.hypot(*q), 0.0), 0.0).reshape(pressure.shape)
-
-    def slopes(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
-        """Slopes (S, M, 12) of F by traction (4), slip (4), pressure (2), speed (2).
 
         Parameters:
             tractions: (S, 2, M) Pa.
@@ -59,9 +49,9 @@ class CellFriction:
             speed: m/s.
         """
         q, s, p, r = _by_point(tractions, slip, pressure, rho)
-        slopes = self.functions.slopes(np.arange(len(p)), q, s, p, r, speed, self.regularisation)
-        slopes[p == 0.0, 8:10] = 0.0
-        return np.asarray(slopes.reshape(*pressure.shape, 12))
+        bound = self.functions.coefficient(np.hypot(*s) * speed, p) * p
+        sticks = np.hypot(*(r * q - s)) < r * bound + self.regularisation
+        return np.where(sticks, np.maximum(bound - np.hypot(*q), 0.0), 0.0).reshape(pressure.shape)
 
 
 def _by_point(tractions: Array, slip: Array, pressure: Array, rho: Array) -> tuple[Array, Array, Array, Array]:

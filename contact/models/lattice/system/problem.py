@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -25,11 +24,10 @@ from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.system.equations import (
     EquationData,
     Evaluation,
+    Linearisation,
     StripPlaces,
     evaluate,
-    friction_rows,
-    linearise,
-    slip_rows,
+    linearised,
 )
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.state import LatticeState
@@ -47,31 +45,13 @@ from wheelrail.contact.models.lattice.system.surface import (
     penetration_changes,
     smallest_gaps,
 )
-from wheelrail.support.arrays import Array, Mask, Nodes, Single
+from wheelrail.support.arrays import Array, Mask, Nodes
 
-NO_FRICTION = ResidualCode(0, np.zeros(0), 0.0)
+NO_FRICTION = ResidualCode(0, 0, np.zeros(0), 0.0)
 OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
 TOO_DEEP = "the wheel lies inside the rail, too deep for a contact"
 INSIDE = 1e-3  # m, below the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
 SAMPLES = 400  # of the rail's profile
-
-
-class Linearisation(NamedTuple):
-    """Equations of a state, linearised.
-
-    Parameters:
-        evaluation: of the residual.
-        jacobian: (n, n).
-        rho: (S, M) 1/Pa, of the friction residual.
-        slips: (S, 2 M, n), derivatives of the slips by the unknowns.
-        slopes: (S, M, 12), of the friction residual, see `CellFriction.slopes`.
-    """
-
-    evaluation: Evaluation
-    jacobian: Array
-    rho: Array
-    slips: Single
-    slopes: Array
 
 
 @dataclass(frozen=True)
@@ -261,20 +241,10 @@ class LatticeProblem:
 
     def linearise(self, state: LatticeState) -> Linearisation:
         """Linearisation at a state. Raises OutsideSurface."""
-        evaluation, jacobian, rho = linearise(state.values, self.of(state.strips))
-        if not evaluation.inside:
+        linearisation = linearised(state.values, self.of(state.strips))
+        if not linearisation.evaluation.inside:
             raise OutsideSurface(TOO_LONG)
-        slips = slip_rows(jacobian, len(rho), self.cells if self.rolls else 0)
-        slopes = self.friction_slopes(state, evaluation, rho)
-        if self.rolls:
-            friction_rows(jacobian, slopes, self.basis.mean)
-        return Linearisation(evaluation, jacobian, rho, slips, slopes)
-
-    def friction_slopes(self, state: LatticeState, evaluation: Evaluation, rho: Array) -> Array:
-        """Slopes (S, M, 12) of the friction residual, see `CellFriction.slopes`; M = 0 without friction."""
-        if self.law is None:
-            return np.zeros((len(rho), 0, 12))
-        return self.law.slopes(state.tractions, evaluation.slip, evaluation.pressure, rho, self.speed)
+        return linearisation
 
     def layout(self, state: LatticeState) -> StripLayout:
         """Strips and cells of a state."""
