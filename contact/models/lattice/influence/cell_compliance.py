@@ -8,7 +8,7 @@ from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import VECTOR, StripGrid, look_up
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
-from wheelrail.contact.models.lattice.influence.short_strips import share, split_table
+from wheelrail.contact.models.lattice.influence.short_strips import share, split_table, store_boundaries
 from wheelrail.contact.models.lattice.influence.vectors import products
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled, inner
@@ -94,16 +94,35 @@ def normal_displacements(
 
     The flag is False where distances exceed the tables.
     """
+    n, C, M, N = edges.shape[0], edges.shape[1] - 1, jumps.shape[1] - 1, split.shape[1]
+    displacement = np.zeros((n, C))
+    work = np.empty((C + 1, M + 1, 8)), np.empty((C + 1, N, 8)), np.empty(N), np.empty((3, 8))
+    places = strips, middle, edges
+    return _store_displacements(tables, places, grid, jumps, split, basis, work, displacement), displacement
+
+
+@inner
+def _store_displacements(
+    tables: PairTables,
+    places: tuple[Nodes, Array, Array],
+    grid: StripGrid,
+    jumps: Array,
+    split: Array,
+    basis: StripBasis,
+    work: tuple[Array, Array, Array, Array],
+    displacement: Array,
+) -> bool:
+    """Fill `normal_displacements`, which are zero; work: (C + 1, M + 1, 8), (C + 1, N + 1, 8), (N + 1,) and (3, 8)."""
+    strips, middle, edges = places
+    G, fine, columns, sums = work
     n, C = edges.shape[0], edges.shape[1] - 1
     S, M = jumps.shape[0], jumps.shape[1] - 1
-    displacement = np.zeros((n, C))
-    G, sums = np.empty((C + 1, M + 1, 8)), np.empty((3, 8))
     for i in range(n):
         for j in range(S):
             first, last = min(strips[i], grid.strip[j]), max(strips[i], grid.strip[j])
             turn = 1.0 if strips[i] == first else -1.0  # reciprocity: the transposed table at the opposite distance
             if not look_up(tables, first, last, edges[i], grid.x[j, : M + 1], G, None, turn):
-                return False, displacement
+                return False
             start, loads, out, before = G.ctypes.data, jumps[j].ctypes.data, sums.ctypes.data, 0.0
             for r in range(C + 1):
                 products(start + VECTOR * r * (M + 1), VECTOR, loads, M + 1, out)
@@ -114,10 +133,9 @@ def normal_displacements(
             part, _, _ = share(0.0, grid.length[j], abs(middle[i] - grid.middle[j]), basis)
             if part == 0.0:
                 continue
-            columns = grid.x[j, 0] + grid.length[j] * basis.split_marks
-            fine = np.empty((C + 1, len(columns), 8))
+            store_boundaries(grid, j, basis, columns)
             if not split_table(tables, strips[i], grid.strip[j], edges[i], columns, fine, None):
-                return False, displacement
+                return False
             for r in range(C + 1):
                 total = 0.0
                 for c in range(len(columns)):
@@ -125,4 +143,4 @@ def normal_displacements(
                 if r > 0:
                     displacement[i, r - 1] += (total - before) / (edges[i, r] - edges[i, r - 1])
                 before = total
-    return True, displacement
+    return True

@@ -142,27 +142,36 @@ def antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array) -> tuple[
     """Whether all distances lie in the tables, and V (S, M + 3, 3) by jumps (S, M + 1, 3) of traction times width."""
     S, R = grid.x.shape
     V = np.zeros((S, R, 3))
-    G, sums = np.empty((R, R, 8)), np.empty((3, 8))
+    return _store_antiderivatives(tables, grid, jumps, np.empty((R, R, 8)), np.empty((3, 8)), V), V
+
+
+@inner
+def _store_antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array, G: Array, sums: Array, V: Array) -> bool:
+    """Fill V of `antiderivatives`, which is zero; G (R, R, 8) and sums (3, 8): work space."""
+    S = len(grid.x)
     for i in range(S):
         for j in range(i, S):
             if not look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, None):
-                return False, V
+                return False
             _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
             if i != j:
                 _antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
-    return True, V
+    return True
 
 
 class WorkSpace(NamedTuple):
     """Work space of blocks.
 
     Parameters:
+        G, H: (R, R, 8), table values of a pair and their slopes.
         edges: (M + 1, 8) weighted table values at the cell boundaries of the loaded strip.
         sums: (3, 8).
         jumps: (M + 1, 3) N/m, times the change of the boundaries by one end.
         end: (R, 3) antiderivative by that end.
     """
 
+    G: Array
+    H: Array
     edges: Array
     sums: Array
     jumps: Array
@@ -307,13 +316,32 @@ def operator(
     block = (2 * M if rolls else 0) + len(basis.moment_edges)
     A = np.zeros((S * block, S * block))
     V, slopes = np.zeros((S, R, 3)), np.zeros((S, R, 3))
-    G, H, sums = np.empty((R, R, 8)), np.empty((R, R, 8)), np.empty((3, 8))
-    work = WorkSpace(np.empty((M + 1, 8)), sums, np.empty((M + 1, 3)), np.empty((R, 3)))
+    tables_at = np.empty((R, R, 8)), np.empty((R, R, 8))
+    work = WorkSpace(*tables_at, np.empty((M + 1, 8)), np.empty((3, 8)), np.empty((M + 1, 3)), np.empty((R, 3)))
+    inside = _store_operator(tables, grid, jumps, basis, rolls, work, A, V, slopes)
+    return inside, A, V
+
+
+@inner
+def _store_operator(
+    tables: PairTables,
+    grid: StripGrid,
+    jumps: Array,
+    basis: StripBasis,
+    rolls: bool,
+    work: WorkSpace,
+    A: Array,
+    V: Array,
+    slopes: Array,
+) -> bool:
+    """Fill A and V of `operator`, and slopes (S, M + 3, 3) of V, which are zero."""
+    S = len(grid.x)
+    block, G, H, sums = len(A) // S, work.G, work.H, work.sums
     for i in range(S):
         own = slice(i * block, (i + 1) * block)
         for j in range(i, S):
             if not look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, H):
-                return False, A, V
+                return False
             other = slice(j * block, (j + 1) * block)
             _add_loads(G, grid.width[j], grid.length[i], basis, 1.0, rolls, work, A[own, other])
             _add_ends(H, jumps[j], grid.stretch[j], grid.length[i], basis, 1.0, rolls, work, A[own, other])
@@ -327,7 +355,7 @@ def operator(
     for i in range(S):
         own = slice(i * block, (i + 1) * block)
         _own_ends(V[i], slopes[i], grid, i, basis, rolls, A[own, own])
-    return True, A, V
+    return True
 
 
 @compiled
@@ -335,6 +363,14 @@ def slips_and_moments(V: Array, grid: StripGrid, basis: StripBasis) -> tuple[Arr
     """Elastic slips (S, 2, M) and moments (S, MOMENTS) m of the normal displacement, from V (S, M + 3, 3)."""
     S, M = len(V), len(basis.marks) - 1
     slips, moments = np.zeros((S, 2, M)), np.zeros((S, len(basis.moment_edges)))
+    _store_slips(V, grid, basis, slips, moments)
+    return slips, moments
+
+
+@inner
+def _store_slips(V: Array, grid: StripGrid, basis: StripBasis, slips: Array, moments: Array) -> None:
+    """Fill `slips_and_moments`, which are zero."""
+    S, M = len(V), len(basis.marks) - 1
     for i in range(S):
         over = 1.0 / grid.length[i]
         per_slip = over**basis.slip_power
@@ -345,4 +381,3 @@ def slips_and_moments(V: Array, grid: StripGrid, basis: StripBasis) -> tuple[Arr
             for r in range(M):
                 for k in range(4):
                     slips[i, a, r] += per_slip * basis.slip_edges[r, k] * V[i, r + k, a]
-    return slips, moments

@@ -71,11 +71,11 @@ def split_table(
     return inside
 
 
-@compiled
-def _boundaries(grid: StripGrid, j: int, basis: StripBasis) -> Array:
-    """Boundaries (N + 1,) m of the split cells of a strip."""
-    edges: Array = grid.x[j, 0] + grid.length[j] * basis.split_marks
-    return edges
+@inner
+def store_boundaries(grid: StripGrid, j: int, basis: StripBasis, edges: Array) -> None:
+    """Fill boundaries (N + 1,) m of the split cells of a strip."""
+    for c in range(len(edges)):
+        edges[c] = grid.x[j, 0] + grid.length[j] * basis.split_marks[c]
 
 
 @compiled
@@ -83,7 +83,16 @@ def add_short_strips(tables: PairTables, grid: StripGrid, jumps: Array, basis: S
     """Add to the antiderivative V (S, M + 3, 3) on short strips; jumps (S, N + 1) from `split_jumps`. False where
     distances exceed the tables.
     """
-    S, M, N = len(grid.x), len(basis.marks) - 1, len(basis.split_marks)
+    M, N = len(basis.marks) - 1, len(basis.split_marks)
+    return _add_short(tables, grid, jumps, basis, np.empty((M + 1, N, 8)), np.empty(N), V)
+
+
+@inner
+def _add_short(
+    tables: PairTables, grid: StripGrid, jumps: Array, basis: StripBasis, G: Array, columns: Array, V: Array
+) -> bool:
+    """Do `add_short_strips`; G (M + 1, N + 1, 8) and columns (N + 1,): work space."""
+    S, M = len(grid.x), len(basis.marks) - 1
     for i in range(S):
         for j in range(S):
             if i == j:
@@ -91,13 +100,12 @@ def add_short_strips(tables: PairTables, grid: StripGrid, jumps: Array, basis: S
             part, _, _ = share(grid.length[i], grid.length[j], abs(grid.middle[i] - grid.middle[j]), basis)
             if part == 0.0:
                 continue
-            G = np.empty((M + 1, N, 8))
-            rows, columns = grid.x[i, : M + 1], _boundaries(grid, j, basis)
-            if not split_table(tables, grid.strip[i], grid.strip[j], rows, columns, G, None):
+            store_boundaries(grid, j, basis, columns)
+            if not split_table(tables, grid.strip[i], grid.strip[j], grid.x[i, : M + 1], columns, G, None):
                 return False
             for r in range(M + 1):
                 total = 0.0
-                for c in range(N):
+                for c in range(len(columns)):
                     total += G[r, c, NN] * jumps[j, c]
                 V[i, r, 2] += part * total
     return True
@@ -108,11 +116,34 @@ def add_short_strips_derivative(
     tables: PairTables, grid: StripGrid, jumps: Array, basis: StripBasis, rolls: bool, A: Array, V: Array
 ) -> bool:
     """As `add_short_strips`, and add the derivatives of the moments by modes and ends to the operator A (n, n)."""
+    M, N, modes = len(basis.marks) - 1, len(basis.split_marks), basis.split_edges.shape[1]
+    work = np.empty((M + 1, N, 8)), np.empty((M + 1, N, 8)), np.empty(N), np.empty((M + 1, modes + 4))
+    return _add_short_derivative(tables, grid, jumps, basis, rolls, *work, A, V)
+
+
+@inner
+def _add_short_derivative(
+    tables: PairTables,
+    grid: StripGrid,
+    jumps: Array,
+    basis: StripBasis,
+    rolls: bool,
+    G: Array,
+    H: Array,
+    columns: Array,
+    changes: Array,
+    A: Array,
+    V: Array,
+) -> bool:
+    """Do `add_short_strips_derivative`.
+
+    Work space: G and H (M + 1, N + 1, 8), columns (N + 1,), and changes (M + 1, modes + 4) by modes and ends of the
+    loaded strip and by the displaced strip's ends.
+    """
     S, M, N = len(grid.x), len(basis.marks) - 1, len(basis.split_marks)
     moments, modes = len(basis.moment_edges), basis.split_edges.shape[1]
     at = 2 * M if rolls else 0
     block = at + moments
-    changes = np.empty((M + 1, modes + 4))  # by modes and ends of the loaded strip, and by the displaced strip's ends
     for i in range(S):
         for j in range(S):
             if i == j:
@@ -122,9 +153,8 @@ def add_short_strips_derivative(
             )
             if part == 0.0:
                 continue
-            G, H = np.empty((M + 1, N, 8)), np.empty((M + 1, N, 8))
-            rows, columns = grid.x[i, : M + 1], _boundaries(grid, j, basis)
-            if not split_table(tables, grid.strip[i], grid.strip[j], rows, columns, G, H):
+            store_boundaries(grid, j, basis, columns)
+            if not split_table(tables, grid.strip[i], grid.strip[j], grid.x[i, : M + 1], columns, G, H):
                 return False
             over = 1.0 / grid.length[i]
             changes[:] = 0.0

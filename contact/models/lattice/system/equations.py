@@ -151,8 +151,7 @@ def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
     S, M = len(values), len(basis.marks) - 1
     level = np.empty((S * M, 3))
     for i in range(S):
-        for r in range(M):
-            level[i * M + r] = places.level[i]
+        level[i * M : (i + 1) * M] = places.level[i]
     at = cell_frames(values, places, basis, data.surface, motion)
     shift, change, _ = rigid_shift(at, level, motion)
     slip, slope = np.empty((S, 2, M)), np.empty((S, 2, M))

@@ -158,6 +158,16 @@ def penetration(surface: SurfaceData, origin: Array, rotation: Array, s: Array, 
     """`Penetration` of points s, x (n,) m across and along; fastest where neighbours share s."""
     n = len(s)
     result = Penetration(np.empty(n), np.empty(n), np.empty(n))
+    _store_penetration(surface, origin, rotation, s, x, result)
+    return result
+
+
+@inner
+def _store_penetration(
+    surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, result: Penetration
+) -> None:
+    """Fill `penetration`."""
+    n = len(s)
     (ax, ay), (bx, by) = surface.upper, surface.lower
     z, t, sample, last = 0j, 0j, -1, np.inf
     for i in range(n):
@@ -176,7 +186,6 @@ def penetration(surface: SurfaceData, origin: Array, rotation: Array, s: Array, 
         turned, sample = _turned(at, origin), at.sample
         about_axle = rotation[0, 1] * turned[0] + rotation[1, 1] * turned[1] + rotation[2, 1] * turned[2]
         result.depth[i], result.slope[i], result.foot[i] = at.depth, -about_axle / surface.radius, at.foot
-    return result
 
 
 @compiled
@@ -184,12 +193,22 @@ def penetration_changes(surface: SurfaceData, origin: Array, rotation: Array, s:
     """`PenetrationChanges` at points s, x (n,) m across and along."""
     n = len(s)
     result = PenetrationChanges(np.zeros((n, 6)), np.zeros((n, 6)))
+    _store_changes(surface, origin, rotation, s, x, result)
+    return result
+
+
+@inner
+def _store_changes(
+    surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, result: PenetrationChanges
+) -> None:
+    """Fill `penetration_changes`, which are zero."""
+    n = len(s)
     if not surface.revolves:
         ax, ay = surface.upper
         for i in range(n):
             result.depth[i, 0] = 2 * ax * (x[i] - origin[0])
             result.depth[i, 1], result.depth[i, 2] = 2 * ay * (s[i] - origin[1]), -1.0
-        return result
+        return
     for i in range(n):
         z, t, _ = local(surface.wheel, s[i], piece(surface.wheel, s[i]))
         point, _, normal = on_circle(z, t, surface.radius, origin, rotation, x[i])
@@ -201,7 +220,6 @@ def penetration_changes(surface: SurfaceData, origin: Array, rotation: Array, s:
         moves[1], moves[2] = at.moves.real, at.moves.imag
         moves[3] = ry * at.moves.imag - rz * at.moves.real
         moves[4], moves[5] = -rx * at.moves.imag, rx * at.moves.real
-    return result
 
 
 @compiled
@@ -218,14 +236,20 @@ def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tu
         x[:] = origin[0] * a / (a + b)
         bend[:] = 2 * (a + b)
         return penetration(surface, origin, rotation, s, x), x, bend
+    _store_crests(surface, origin, rotation, s, x, bend)
+    return penetration(surface, origin, rotation, s, x), x, bend
+
+
+@inner
+def _store_crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, bend: Array) -> None:
+    """Fill places and curvatures of `crests` of a wheel; the places are zero."""
     wheel, radius = surface.wheel, surface.radius
-    for i in range(n if rotation[1, 0] != 0.0 else 0):
+    for i in range(len(s) if rotation[1, 0] != 0.0 else 0):
         x[i] = _crest(surface, origin, rotation, s[i], x[i - 1] if i > 0 and abs(s[i] - s[i - 1]) < NEXT else 0.0)
-    for i in range(n):
+    for i in range(len(s)):
         z, t, _ = local(wheel, s[i], piece(wheel, s[i]))
         r = z.imag + radius
         bend[i] = max(r * t.real, 0.05 * r) / (radius * radius)
-    return penetration(surface, origin, rotation, s, x), x, bend
 
 
 @inner
@@ -307,7 +331,18 @@ class SurfaceFrames(NamedTuple):
 def frames(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array) -> SurfaceFrames:
     """Points and axes at s, x (n,) m across and along."""
     n = len(s)
-    point, axes, forward, turn = np.zeros((n, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros(3)
+    places = SurfaceFrames(np.zeros((n, 3)), np.zeros((n, 3, 3)), np.zeros((n, 3)), np.zeros(3))
+    _store_frames(surface, origin, rotation, s, x, places)
+    return places
+
+
+@inner
+def _store_frames(
+    surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, places: SurfaceFrames
+) -> None:
+    """Fill `frames`, which are zero."""
+    n = len(s)
+    point, axes, forward, turn = places
     if surface.revolves:
         for c in range(3):
             turn[c] = -rotation[c, 1] / surface.radius
@@ -325,7 +360,6 @@ def frames(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Ar
         else:
             point[i, 0], point[i, 1] = x[i], s[i]
             axes[i, 0, 0], axes[i, 1, 1], axes[i, 2, 2], forward[i, 0] = 1.0, 1.0, -1.0, 1.0
-    return SurfaceFrames(point, axes, forward, turn)
 
 
 @inner
@@ -347,8 +381,17 @@ def rigid_shift(places: SurfaceFrames, level: Array, motion: Motion) -> tuple[Ar
     """
     n = len(places.point)
     shift, slope, flow = np.zeros((n, 2)), np.zeros((n, 2)), np.zeros(n)
-    arm, other_arm = np.empty(3), np.empty(3)
-    for i in range(n):
+    _store_shift(places, level, motion, np.empty((2, 3)), shift, slope, flow)
+    return shift, slope, flow
+
+
+@inner
+def _store_shift(
+    places: SurfaceFrames, level: Array, motion: Motion, arms: Array, shift: Array, slope: Array, flow: Array
+) -> None:
+    """Fill `rigid_shift`, which is zero; arms: (2, 3) work space."""
+    arm, other_arm = arms[0], arms[1]
+    for i in range(len(flow)):
         for c in range(3):
             arm[c] = places.point[i, c] - motion.wheel[2][c]
             other_arm[c] = places.point[i, c] - motion.rail[2][c]
@@ -364,7 +407,6 @@ def rigid_shift(places: SurfaceFrames, level: Array, motion: Motion) -> tuple[Ar
             shift[i, 1] += y * (own - other)
             slope[i, 0] += x * own_change + x_change * own - level[i, c] * other_change
             slope[i, 1] += y * (own_change - other_change) + y_change * (own - other)
-    return shift, slope, flow
 
 
 class ContactLines(NamedTuple):
