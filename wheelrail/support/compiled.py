@@ -103,17 +103,18 @@ class TolerantCache(FunctionCache):  # type: ignore[misc]
                 self.flush()
 
 
-def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python") -> F:
+def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python", counts: bool = True) -> F:
     """The function as machine code, compiled at its first call for every type of arguments.
 
     Parameters:
         function: in Python.
         error_model: Numba's; "numpy": a division by zero gives inf or NaN, as in C, instead of an exception.
+        counts: whether references to arrays are counted.
 
     Arithmetic is IEEE 754 in the order of the source. With reordered sums, functions that call others would differ in
     the last bits between the process that compiles them and one that loads them from the cache.
     """
-    dispatcher, path = njit(nogil=True, error_model=error_model)(_movable(function)), folder()
+    dispatcher, path = njit(nogil=True, error_model=error_model, _nrt=counts)(_movable(function)), folder()
     if path is not None:
         with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
             dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
@@ -125,6 +126,16 @@ def unchecked(function: F) -> F:
     instructions.
     """
     return compiled(function, error_model="numpy")
+
+
+def borrowing(function: F) -> F:
+    """As `unchecked`, of a function that neither makes nor returns arrays: references to them are not counted.
+
+    Otherwise a call counts every array of its arguments, those in named tuples included, up and down in atomic
+    instructions of some nanoseconds each, more than a small function takes. Arrays that were returned would be freed
+    while they are used (`tests/project/test_borrowed_arrays.py`); making one is an error of the compiler.
+    """
+    return compiled(function, error_model="numpy", counts=False)
 
 
 def address(function: Callable[..., Any], signature: Any) -> int:
