@@ -15,7 +15,7 @@ import numpy as np
 from scipy.special import iti0k0, k0, k1
 
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import inner
+from wheelrail.support.compiled import borrowing
 
 TERMS = 40  # of the series of `cutoff_correction`, for arguments up to 10
 
@@ -67,7 +67,7 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, cutoff: 
     )
 
 
-@inner
+@borrowing
 def pair_geometry(x: float, row: Array, column: Array, to: Array) -> None:
     """Write the antiderivatives (5,), twice along the strips and as means over both, of x^2/r^3, y^2/r^3, x y/r^3,
     x/r^2 and y/r^2, y from the loaded to the displaced strip.
@@ -98,7 +98,7 @@ def pair_geometry(x: float, row: Array, column: Array, to: Array) -> None:
         to[k] *= over
 
 
-@inner
+@borrowing
 def pair_antiderivative(geometry: Array, nu: float, to: Array) -> None:
     """Write G (6,), whose second derivative is the mean compliance between two strips; unit modulus.
 
@@ -136,7 +136,7 @@ def cutoff_correction(x: Array, cutoff: float, nu: float) -> Array:
     return np.asarray(correction[:, None] * np.array([1.0, 1 - nu, 1 - nu]))
 
 
-@inner
+@borrowing
 def _fourfold(x: float, y: float) -> tuple[float, float, float]:
     """Antiderivatives, twice in x and twice in y, of x^2/r^3, y^2/r^3 (sum: 1/r) and x y/r^3 at x, y >= 0."""
     r = np.sqrt(x * x + y * y)
@@ -147,7 +147,7 @@ def _fourfold(x: float, y: float) -> tuple[float, float, float]:
     return c + b - 0.5 * y * y * r, c + a - 0.5 * x * x * r, cross
 
 
-@inner
+@borrowing
 def _fourfold_normal(x: float, y: float) -> tuple[float, float]:
     """Antiderivatives, twice in x and twice in y, of x/r^2 and y/r^2 at x, y >= 0."""
     logarithm = 0.5 * np.log(x * x + y * y) if x + y > 0.0 else 0.0

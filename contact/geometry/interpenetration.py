@@ -13,12 +13,12 @@ import numpy as np
 from scipy.special import roots_legendre
 
 from wheelrail.contact.geometry.quadric_pair import curvature
-from wheelrail.contact.geometry.rigid_search import Lines, deepest, level_crossing, local_maxima, lowest, scan
+from wheelrail.contact.geometry.rigid_search import Lines, level_crossing, local_maxima, lowest, scan
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.curves.closest_point import Shape, local, next_piece, piece
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing, compiled
 
 VIRTUAL = 0.55  # penetration of the virtual bodies over that of the elastic ones, Piotrowski and Kik 2008
 SEPARATION = 1.5  # times the merging distance: two maxima further apart are separate contacts
@@ -60,7 +60,7 @@ class PenetrationRegions(NamedTuple):
     radius: Array
 
 
-@compiled
+@borrowing
 def fade(t: float) -> float:
     """Smooth step (continuously differentiable) from 0 to 1 for t from 0 to 1."""
     t = min(max(t, 0.0), 1.0)
@@ -159,13 +159,8 @@ def wheel_regions(
                     if (positions[i] - middle) * direction > 0.0:
                         inner = positions[i]
                     i += direction
-                edge = stop
                 outer = positions[i] if (positions[i] - stop) * direction < 0.0 else stop
-                d, _, _, _ = deepest(wheel, rail, radius, origin, rotation, outer, where[i], sample[i])
-                if d < level:
-                    edge = level_crossing(
-                        wheel, rail, radius, origin, rotation, inner, outer, level, where[i], sample[i]
-                    )
+                edge = level_crossing(wheel, rail, radius, origin, rotation, inner, outer, level, where[i], sample[i])
                 edges[halves] = edge
                 halves += 1
                 x, near, at = top[j, 2], sample[before[j]], piece(wheel, middle)
@@ -185,7 +180,7 @@ def wheel_regions(
     return WheelRegions(approach, beyond, top, low, edges[:halves], contacts[:count], contact[:n], strips[:n])
 
 
-@compiled
+@borrowing
 def half_limit(positions: Array, low: Array, j: int, direction: int) -> float:
     """Position m up to which the half of a region around maximum j may extend, in direction -1 or 1: the minimum before
     the next maximum, or the end of the lines.

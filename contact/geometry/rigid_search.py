@@ -11,20 +11,33 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.meshes.curves.closest_point import Shape, foot_from, local, nearer_sample, nearest_sample, piece
+from wheelrail.meshes.curves.closest_point import (
+    SMALL_STEP,
+    SPACING,
+    Shape,
+    foot_from,
+    local,
+    nearer_sample,
+    nearest_sample,
+    next_piece,
+    piece,
+)
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Complex, Nodes
-from wheelrail.support.compiled import unchecked
+from wheelrail.support.compiled import borrowing, unchecked
 
 MAXIMA = 8  # at most, more than a wheel and a rail can have
 NEAR = -1e-4  # m: sampled maxima lower than that are not refined
 NONE = -1.0  # m: penetration beside the rail
 CLOSE = 1e-9  # m: smallest distance of a maximum and a minimum
 ITERATIONS = 12  # for the lowest point of a yawed wheel
-LOWEST = 1e-7  # m, last change of its x: the next one is a thousand times smaller, the penetration exact to 1e-14 m
+LOWEST = 1e-7  # m, last change of its x by Newton's method, with which the error of the penetration is quadratic
+SCANNED = 1e-5  # m, last change of its x on sampled lines: the penetration before it is exact to 1e-10 m
+LAST = 1e-10  # m, last change of its x in turns with the closest point: the next one is a thousand times smaller
+LARGE = 0.1  # rad, beyond the difference between neighbouring lines
 
 
-@unchecked
+@borrowing
 def deepest(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, sample: int
 ) -> tuple[float, float, float, int]:
@@ -42,11 +55,62 @@ def deepest(
     return lowest(rail, radius, origin, rotation, z, t, x, sample)
 
 
-@unchecked
+@borrowing
 def lowest(
     rail: Shape, radius: float, origin: Array, rotation: Array, z: complex, t: complex, x: float, sample: int
 ) -> tuple[float, float, float, int]:
-    """As `deepest`, of the line of a point z m with the tangent t on the wheel's profile."""
+    """As `deepest`, of the line of a point z m with the tangent t on the wheel's profile.
+
+    Newton's method in the rail's arc length a and the angle along the rolling circle at once: the rail's tangent is
+    perpendicular to the distance of both points, and its normal to the wheel's forward direction.
+    """
+    r, sine, cosine = z.imag + radius, np.sin(x / radius), np.cos(x / radius)
+    at, j = 0.0, -1
+    for _ in range(ITERATIONS):
+        forward_y, forward_z, up_y, up_z = (
+            rotation[1, 0] * cosine + rotation[1, 2] * sine,
+            rotation[2, 0] * cosine + rotation[2, 2] * sine,
+            rotation[1, 0] * sine - rotation[1, 2] * cosine,
+            rotation[2, 0] * sine - rotation[2, 2] * cosine,
+        )
+        y = origin[1] + r * up_y + rotation[1, 1] * z.real
+        h = origin[2] + r * up_z + rotation[2, 1] * z.real
+        if j < 0:
+            q = complex(y, h)
+            sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
+            at = rail.samples[sample]
+            j = piece(rail, at)
+        point, along, change = local(rail, at, j)
+        y, h = y - point.real, h - point.imag
+        beside, height = along.real * y + along.imag * h, along.real * h - along.imag * y
+        second = 1.0 - (change.real * y + change.imag * h)
+        level, upward = along.real * forward_z - along.imag * forward_y, along.real * up_z - along.imag * up_y
+        across = r * (along.real * forward_y + along.imag * forward_z)
+        bend = change.real * forward_z - change.imag * forward_y
+        determinant = second * upward - across * bend
+        step, turn = (beside * upward + across * level) / determinant, (second * level + bend * beside) / determinant
+        if not (second > 0.0 > determinant and abs(step) < 2.0 * SPACING and abs(turn) < LARGE):
+            break
+        if abs(step) < SMALL_STEP and radius * abs(turn) < LOWEST:
+            ty, tz = t.imag * up_y + t.real * rotation[1, 1], t.imag * up_z + t.real * rotation[2, 1]
+            slope = ty * along.imag - tz * along.real + step * (ty * change.imag - tz * change.real)
+            # The last step raises the point by half of what the slopes of its height, which it takes to zero, say.
+            height += 0.5 * (turn * r * level + step * (change.real * h - change.imag * y))
+            return -height, slope, radius * (np.arctan(sine / cosine) + turn), sample
+        at += step
+        if not rail.breaks[0] < at < rail.breaks[-1]:
+            break
+        j = next_piece(rail, at, j)
+        size = 1.0 / np.sqrt(1.0 + turn * turn)
+        sine, cosine = size * (sine + turn * cosine), size * (cosine - turn * sine)
+    return lowest_at_foot(rail, radius, origin, rotation, z, t, x, sample)
+
+
+@borrowing
+def lowest_at_foot(
+    rail: Shape, radius: float, origin: Array, rotation: Array, z: complex, t: complex, x: float, sample: int
+) -> tuple[float, float, float, int]:
+    """As `lowest`, at corners and beside the ends of the rail too: closest points of the rail and angles in turns."""
     r, j, at, depth, slope, bottom = z.imag + radius, -1, 0.0, NONE, 0.0, x
     sine, cosine = np.sin(x / radius), np.cos(x / radius)
     for _ in range(1 + ITERATIONS):
@@ -54,13 +118,12 @@ def lowest(
         h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
         q = complex(y, h)
         if j < 0:
-            sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
             at = rail.samples[sample]
             j = piece(rail, at)
         at, height, inside, j = foot_from(rail, q, at, j)
         if not inside:
             return NONE, 0.0, x, sample
-        _, along, change = local(rail, at, j)
+        _, along, _ = local(rail, at, j)
         ny, nz = -along.imag, along.real
         ty = rotation[1, 0] * t.imag * sine + rotation[1, 1] * t.real - rotation[1, 2] * t.imag * cosine
         tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
@@ -68,45 +131,15 @@ def lowest(
         forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
         if upward == 0.0:
             break
-        before, x = x, -radius * np.arctan(forward / upward)
-        bottom = x
-        if abs(x - before) < LOWEST:
-            slope += (x - before) * slope_by_x(rotation, r, t, (sine, cosine), along, change, height) / radius
+        before, bottom = bottom, -radius * np.arctan(forward / upward)
+        if abs(bottom - before) < LAST:
             break
         size = np.copysign(np.sqrt(forward * forward + upward * upward), upward)
         sine, cosine = -forward / size, upward / size
     return depth, slope, bottom, sample
 
 
-@unchecked
-def slope_by_x(
-    rotation: Array, r: float, t: complex, turn: tuple[float, float], along: complex, change: complex, height: float
-) -> float:
-    """Derivative of the penetration's slope by the angle x / radius along the rolling circle, 1/rad.
-
-    Parameters:
-        rotation: (3, 3) of the wheel.
-        r, t: radius m of the rolling circle, and tangent of the wheel's profile.
-        turn: sine and cosine of the angle.
-        along, change: tangent of the rail, and its derivative, 1/m.
-        height: of the point above the rail, m.
-    """
-    sine, cosine = turn
-    forward_y, forward_z = (
-        rotation[1, 0] * cosine + rotation[1, 2] * sine,
-        rotation[2, 0] * cosine + rotation[2, 2] * sine,
-    )
-    up_y, up_z = rotation[1, 0] * sine - rotation[1, 2] * cosine, rotation[2, 0] * sine - rotation[2, 2] * cosine
-    by_s = along.real * (t.imag * up_y + t.real * rotation[1, 1]) + along.imag * (
-        t.imag * up_z + t.real * rotation[2, 1]
-    )
-    by_x = r * (along.real * forward_y + along.imag * forward_z)
-    curvature = change.real * along.imag - change.imag * along.real
-    lifted = t.imag * (along.imag * forward_y - along.real * forward_z)
-    return float(lifted - curvature / (1.0 + curvature * height) * by_s * by_x)
-
-
-@unchecked
+@borrowing
 def stationary_point(
     wheel: Shape,
     rail: Shape,
@@ -150,7 +183,7 @@ def stationary_point(
     return s, depth, x
 
 
-@unchecked
+@borrowing
 def level_crossing(
     wheel: Shape,
     rail: Shape,
@@ -163,18 +196,21 @@ def level_crossing(
     x: float,
     sample: int,
 ) -> float:
-    """Position [m] at which the penetration equals a level, by Newton's method with bounds.
+    """Position [m] at which the penetration equals a level, by Newton's method with bounds; `outer` if it is not less
+    there.
 
     Parameters:
         wheel, rail, radius, origin, rotation: as for `deepest`.
         inner, outer: m, bounds; the iteration starts at the outer one, where the profile is steep.
-        level: m, exceeded at inner and not at outer.
+        level: m, exceeded at inner.
         x, sample: initial guesses.
     """
     s = outer
     for _ in range(60):
         depth, slope, x, sample = deepest(wheel, rail, radius, origin, rotation, s, x, sample)
         if depth >= level:
+            if s == outer:
+                return outer
             inner = s
         else:
             outer = s
@@ -233,12 +269,22 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
         radius: nominal rolling radius, m.
         origin, rotation: (3,) m and (3, 3), pose of the wheel.
     """
-    n, last = len(lines.s), len(rail.samples) - 1
-    depth, slope, where, nearest = np.full(n, NONE), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64)
-    sample, sine, cosine = -1, 0.0, 1.0
+    n = len(lines.s)
+    result = Scan(np.full(n, NONE), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64))
+    fill_scan(rail, lines, radius, origin, rotation, result)
+    return result
+
+
+@borrowing
+def fill_scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Array, result: Scan) -> None:
+    """Fill the lines of a scan that meet the rail; other parameters as for `scan`."""
+    depth, slope, where, nearest = result.depth, result.slope, result.x, result.sample
+    n, last, sample, sine, cosine, advance = len(lines.s), len(rail.samples) - 1, -1, 0.0, 1.0, 0
     for i in range(n):
-        z, t = lines.point[i], lines.tangent[i]
+        z, t, before = lines.point[i], lines.tangent[i], sample
         r = z.imag + radius
+        if sample >= 0:
+            sample = min(max(sample + advance, 0), last)
         for _ in range(ITERATIONS):
             y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
             h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
@@ -259,9 +305,10 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
             if upward == 0.0:
                 break
             size = np.copysign(np.sqrt(forward * forward + upward * upward), upward)
-            before, sine, cosine = sine, -forward / size, upward / size
-            if abs(sine - before) * radius < 1e-7:
+            changed, sine, cosine = sine, -forward / size, upward / size
+            if abs(sine - changed) * radius < SCANNED:
                 break
+        advance = sample - before if before >= 0 else 0
         if (sample == 0 and a < 0.0) or (sample == last and a > 0.0):
             sample, sine, cosine = -1, 0.0, 1.0
             continue
@@ -269,7 +316,6 @@ def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Arra
         tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
         depth[i], slope[i] = -(d + 0.5 * curvature * a * a * (1.0 + curvature * d)), -(ty * ny + tz * nz)
         where[i], nearest[i] = radius * np.arcsin(sine), sample
-    return Scan(depth, slope, where, nearest)
 
 
 @unchecked

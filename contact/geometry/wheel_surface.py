@@ -6,13 +6,13 @@ import numpy as np
 
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, next_piece, piece
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import inner, unchecked
+from wheelrail.support.compiled import borrowing, unchecked
 
 Place = tuple[float, float, float]
 NEXT = 1e-3  # m: points closer than that have neighbouring closest points
 
 
-@inner
+@borrowing
 def on_circle(
     z: complex, t: complex, radius: float, origin: Array, rotation: Array, x: float
 ) -> tuple[Place, Place, Place]:
@@ -39,7 +39,7 @@ def on_circle(
     )
 
 
-@inner
+@borrowing
 def write_frame(point: Place, forward: Place, normal: Place, points: Array, axes: Array, i: int) -> None:
     """Write a point and its axes, longitudinal, lateral and outward, into row i of (n, 3) m and (n, 3, 3)."""
     for c in range(3):
@@ -49,7 +49,7 @@ def write_frame(point: Place, forward: Place, normal: Place, points: Array, axes
     axes[i, 1, 2] = forward[0] * normal[1] - forward[1] * normal[0]
 
 
-@inner
+@borrowing
 def wheel_place(
     wheel: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, points: Array, axes: Array, i: int
 ) -> None:

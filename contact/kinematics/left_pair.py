@@ -9,7 +9,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing, compiled
 
 COORDINATES = 9  # of `WheelsetState`, the first of its values
 OWN = 15  # values that one pair depends on
@@ -53,7 +53,7 @@ def velocities_of(motion: Array) -> RigidVelocities:
     return RigidVelocities(motion[0], motion[1], motion[2], motion[3], motion[4], motion[5])
 
 
-@compiled
+@borrowing
 def left_state(values: Array, mirror: bool, own: Array) -> None:
     """Fill what the left-hand pair depends on: 13 values and the displacement y, z m of its rail.
 
@@ -62,14 +62,15 @@ def left_state(values: Array, mirror: bool, own: Array) -> None:
         mirror: whether the pair is the mirror image in y = 0 of the right-hand one.
         own: (15,), filled.
     """
-    own[:] = values[:OWN]
+    for k in range(OWN):
+        own[k] = values[k]
     if mirror:
         for k in (0, 2, 3, 4, 6, 7, 10, 12):
             own[k] = -values[k]
         own[13], own[14] = -values[15], values[16]
 
 
-@compiled
+@borrowing
 def store_left_pair(
     own: Array, dimensions: Dimensions, origin: Array, rotation: Array, motion: Array, centre: Array
 ) -> None:
@@ -95,7 +96,7 @@ def store_left_pair(
         own[7] + own[8] * az,
     )
     centre[0], centre[1], centre[2] = 0.0, y - rail_y, z - rail_z
-    motion[2] = centre
+    motion[2, 0], motion[2, 1], motion[2, 2] = centre[0], centre[1], centre[2]
     # The rail is at rest in inertial space: in the moving frame it moves backwards and rotates against the frame.
     motion[3, 0], motion[3, 1], motion[3, 2] = -own[9], 0.0, 0.0
     motion[4, 0], motion[4, 1], motion[4, 2] = -own[10], -own[11], -own[12]
@@ -120,7 +121,7 @@ def left_pairs(states: Array, dimensions: Dimensions, mirror: bool) -> WheelPair
     return pairs
 
 
-@compiled
+@borrowing
 def pair_slope(own: Array, wheel_y: float, slope: Array) -> None:
     """Fill derivatives (12, 9) of `store_left_pair` by the wheelset's coordinates, rows as in `ContactResult.tangent`.
 
@@ -146,7 +147,7 @@ def pair_slope(own: Array, wheel_y: float, slope: Array) -> None:
     slope[10, 3] += roll_rate * cy
 
 
-@compiled
+@borrowing
 def store_by_state(
     tangent: Array, wrench: Array, own: Array, wheel_y: float, mirror: bool, slope: Array, result: Array
 ) -> None:

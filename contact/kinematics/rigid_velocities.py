@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing
 
 
 class RigidVelocities(NamedTuple):
@@ -27,7 +27,7 @@ class RigidVelocities(NamedTuple):
         return cls(wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference)
 
 
-@compiled
+@borrowing
 def velocity_along(turn: Array, at: Array, velocity: Array, point: Array, axis: Array) -> float:
     """Velocity m/s of a body's point along an axis; turn, at and velocity: its angular velocity and reference point."""
     x, y, z = point[0] - at[0], point[1] - at[1], point[2] - at[2]
@@ -38,7 +38,7 @@ def velocity_along(turn: Array, at: Array, velocity: Array, point: Array, axis: 
     )
 
 
-@compiled
+@borrowing
 def relative_velocity(v: RigidVelocities, point: Array, axis: Array) -> float:
     """Velocity of the wheel relative to the rail along an axis, m/s."""
     return velocity_along(v.wheel_turn, v.wheel_at, v.wheel, point, axis) - velocity_along(
@@ -46,7 +46,7 @@ def relative_velocity(v: RigidVelocities, point: Array, axis: Array) -> float:
     )
 
 
-@compiled
+@borrowing
 def relative_rotation(v: RigidVelocities, axis: Array) -> float:
     """Angular velocity rad/s of the wheel relative to the rail about the upward normal, opposite to an outward axis."""
     return float(
@@ -56,7 +56,7 @@ def relative_rotation(v: RigidVelocities, axis: Array) -> float:
     )
 
 
-@compiled
+@borrowing
 def rolling_speed(v: RigidVelocities, point: Array, forward: Array) -> float:
     """Rolling speed m/s: mean backward velocity of both bodies' material at a point."""
     return -0.5 * (
@@ -65,7 +65,7 @@ def rolling_speed(v: RigidVelocities, point: Array, forward: Array) -> float:
     )
 
 
-@compiled
+@borrowing
 def creepages(v: RigidVelocities, point: Array, axes: Array, speed: float) -> tuple[float, float, float]:
     """Longitudinal and lateral creepage, and spin 1/m, at a point (3,) m with axes (3, 3); zero without rolling."""
     if not speed > 0.0:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import roots_legendre
 
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 PLACE, WEIGHT = roots_legendre(12)  # Gauss rule on -1 to 1
 RISE = 1 - np.cos(0.5 * np.pi * (PLACE + 1))  # from one end, of 2
@@ -42,7 +42,7 @@ def patch_area(length: Array, bounds: Array) -> float:
     return total
 
 
-@inner
+@borrowing
 def _parabola(length: Array, bounds: Array, origin: float) -> tuple[float, float, float]:
     """Coefficients of y^2, y, 1 of the parabola whose means over three strips are the squares of their lengths (3,) m,
     between bounds (4,) m; y is the distance from an origin. Its integral interpolates sums: divided differences.

@@ -12,7 +12,7 @@ from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.results.patch_area import patch_area
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 HALF_ELLIPSE = 32 / (3 * np.pi**2)  # length times integral of the square over square of the integral
 
@@ -78,7 +78,7 @@ def stick_area(lengths: Array, bounds: Array) -> float:
     return total
 
 
-@inner
+@borrowing
 def spread(p: Array, edges: Array, marks: Array) -> float:
     """Semi-axis m of the ellipse whose Hertz pressure has the same second moment along x.
 
@@ -108,7 +108,7 @@ def spread(p: Array, edges: Array, marks: Array) -> float:
     return float(np.sqrt(5.0 * max(moment / total, 0.0)))
 
 
-@inner
+@borrowing
 def _slope(values: Array, marks: Array, r: int) -> float:
     """Derivative at the middle of a cell of means (M,) between marks (M + 1,), of second order within the strip."""
     last = len(values) - 1
@@ -122,7 +122,7 @@ def _slope(values: Array, marks: Array, r: int) -> float:
     return float((low * after + high * before) / (low + high))
 
 
-@inner
+@borrowing
 def lateral_spread(load: Array, middle: Array, width: Array) -> float:
     """The same across, of strips with loads (S,) N, middles and widths (S,) m: the load of outer strips, reduced where
     they are wider than the contact, makes up for their variation across.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array, Complex
-from wheelrail.support.compiled import fma, inner, unchecked
+from wheelrail.support.compiled import borrowing, fma, unchecked
 
 SPACING = 1e-4  # m, of the samples, and the longest step
 STRIDE = 8  # samples between those of the first, coarse search
@@ -48,7 +48,7 @@ class Shape(NamedTuple):
     sampled: Complex
 
 
-@inner
+@borrowing
 def piece(shape: Shape, s: float) -> int:
     """Index of the piece that contains s."""
     low, high = 0, len(shape.middles) - 1
@@ -61,7 +61,7 @@ def piece(shape: Shape, s: float) -> int:
     return low
 
 
-@inner
+@borrowing
 def next_piece(shape: Shape, s: float, j: int) -> int:
     """As `piece`, from piece j on: for an s that lies in it or nearby."""
     last = len(shape.middles) - 1
@@ -72,7 +72,7 @@ def next_piece(shape: Shape, s: float, j: int) -> int:
     return j
 
 
-@inner
+@borrowing
 def local(shape: Shape, s: float, j: int) -> tuple[complex, complex, complex]:
     """Position, first and second derivative at s in piece j."""
     # sums of products of real numbers: a complex product has twice as many, half of them with the zero in s + 0i
@@ -85,12 +85,12 @@ def local(shape: Shape, s: float, j: int) -> tuple[complex, complex, complex]:
     return complex(y, z), complex(dy, dz), complex(ddy, ddz)
 
 
-@inner
+@borrowing
 def _squared(z: complex) -> float:
     return z.real * z.real + z.imag * z.imag
 
 
-@inner
+@borrowing
 def nearest_sample(shape: Shape, q: complex) -> int:
     """Index of the nearest sample: every STRIDE-th first, then all around those that are near enough."""
     sampled, n = shape.sampled, len(shape.sampled)
@@ -109,7 +109,7 @@ def nearest_sample(shape: Shape, q: complex) -> int:
     return at
 
 
-@inner
+@borrowing
 def nearer_sample(shape: Shape, q: complex, at: int) -> int:
     """Index of the nearest sample by descent from sample to sample: for a point next to one with a known index."""
     sampled, n = shape.sampled, len(shape.sampled)
@@ -123,7 +123,7 @@ def nearer_sample(shape: Shape, q: complex, at: int) -> int:
     return at
 
 
-@inner
+@borrowing
 def _newton(z: complex, t: complex, k: complex, q: complex) -> tuple[float, float, float]:
     """Point q minus curve along tangent and normal, and Newton's step for the least distance, from `local` values."""
     away = q - z
@@ -133,14 +133,14 @@ def _newton(z: complex, t: complex, k: complex, q: complex) -> tuple[float, floa
     return along, t.real * away.imag - t.imag * away.real, along / max(second, 1e-3)
 
 
-@inner
+@borrowing
 def foot(shape: Shape, q: complex, start: float) -> tuple[float, float, bool]:
     """Arc length m, distance m and inside, as in `Closest`, of the closest point to q, from an initial arc length."""
     s, distance, inside, _ = foot_from(shape, q, start, piece(shape, start))
     return s, distance, inside
 
 
-@inner
+@borrowing
 def foot_from(shape: Shape, q: complex, start: float, j: int) -> tuple[float, float, bool, int]:
     """As `foot`, from an initial arc length in or near piece j; also the piece of the closest point."""
     first, last = shape.breaks[0], shape.breaks[-1]
@@ -156,7 +156,7 @@ def foot_from(shape: Shape, q: complex, start: float, j: int) -> tuple[float, fl
     return s, across, inside, piece(shape, s)
 
 
-@inner
+@borrowing
 def _held(shape: Shape, q: complex, s: float) -> tuple[float, float, bool]:
     """As `foot`, with steps limited to one smooth piece; the next step is taken on the adjacent piece."""
     top = len(shape.breaks) - 2

@@ -142,14 +142,16 @@ def test_wheel_positions() -> None:
     c, s = np.cos(roll), np.sin(roll)
     state[[Y, Z, ROLL]] = -0.75 * (1 - c) - 0.46 * s, 0.75 * s - 0.46 * (1 - c), roll
     dynamics = wagon_dynamics(Wagon(), Track(), CONTACT, V)
-    left, right = wheels(dynamics, 0.0, state)["wheelset"]
+    left, right = wheels(dynamics, dynamics.wheelset_states(0.0, state))["wheelset"]
     np.testing.assert_allclose(right, (0.0, 0.0), atol=1e-15)
     np.testing.assert_allclose(left, (-1.5 * (1 - c), 1.5 * s), rtol=1e-12)
-    np.testing.assert_allclose(wheels(dynamics, 0.0, state * MIRROR)["wheelset"][0], (0.0, 0.0), atol=1e-15)
+    mirrored = wheels(dynamics, dynamics.wheelset_states(0.0, state * MIRROR))["wheelset"]
+    np.testing.assert_allclose(mirrored[0], (0.0, 0.0), atol=1e-15)
     stations = np.arange(0.0, 200.0)
     values = np.tile([3e-3, 2e-3, 0.0, 0.0], (200, 1))  # both rails 3 mm to the left, 2 mm up
     uneven = Track(irregularities=Irregularities.faded(stations, values))
-    moved = wheels(wagon_dynamics(Wagon(), uneven, CONTACT, V), 2.0, state)["wheelset"]
+    dynamics = wagon_dynamics(Wagon(), uneven, CONTACT, V)
+    moved = wheels(dynamics, dynamics.wheelset_states(2.0, state))["wheelset"]
     np.testing.assert_allclose(moved[1], (-3e-3, -2e-3), atol=1e-9)
 
 

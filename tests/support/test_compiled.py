@@ -12,11 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from numba.core.errors import NumbaError
 
 from wheelrail.contact.models.standard.polach import polach
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import SOURCES, compiled, inner, private
+from wheelrail.support.compiled import SOURCES, borrowing, compiled, private
 
 ROOT = Path(__file__).parents[2]
 USES = "from wheelrail.support.compiled import compiled\n"
@@ -241,7 +240,7 @@ class Row(NamedTuple):
     factor: float
 
 
-@inner
+@borrowing
 def scaled_sum(rows: Array, k: int, factor: float) -> float:
     row, total = Row(rows[k], factor), 0.0
     for value in row.values:
@@ -255,27 +254,5 @@ def sums(count: int, factor: float) -> Array:
     return np.array([scaled_sum(rows, k, factor) for k in range(count)])
 
 
-def test_inner_function_takes_slices_of_arrays_of_its_caller() -> None:
+def test_borrowing_function_takes_slices_of_arrays_of_its_caller() -> None:
     assert sums(1000, 2.0) == pytest.approx(6.0)
-
-
-def test_inner_function_must_not_return_an_array() -> None:
-    def whole(values: Array) -> tuple[float, Array]:
-        return 0.0, values
-
-    def in_a_tuple(values: Array) -> Row:
-        return Row(values, 1.0)
-
-    for function in (whole, in_a_tuple):
-        with pytest.raises(TypeError, match="returns an array"):
-            inner(function)
-
-
-def test_inner_function_must_not_create_an_array() -> None:
-    @inner
-    def largest_square(values: Array) -> float:
-        squares = values * values
-        return float(squares[0])
-
-    with pytest.raises(NumbaError, match="NRT required"):
-        largest_square(np.ones(3))

@@ -44,11 +44,13 @@ class VehicleEvaluation:
         rate: (2 c + m + w k,) time derivative of the state.
         contacts: results by wheelset and side.
         guess: results from which the contact solves started; None: none.
+        states: of the wheelsets, each in the track frame at its own distance; None: not at hand.
     """
 
     rate: Array
     contacts: WheelContacts
     guess: WheelContacts | None = None
+    states: Mapping[str, WheelsetState] | None = None
 
 
 @dataclass(frozen=True)
@@ -210,7 +212,7 @@ class VehicleDynamics:
         contacts, c = self._solve_contacts(states, start), self.coordinates.count
         accelerations, _ = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections)
         structure = self._structure_rates(travel, state, states, contacts)
-        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations, structure]), contacts, start)
+        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations, structure]), contacts, start, states)
 
     def distances(self, travel: TrackPosition, state: Array) -> Array:
         """Distances (w,) m of the wheelsets along the track."""

@@ -103,11 +103,10 @@ class VehicleJacobian:
         d, c, m = self.dynamics, self.dynamics.coordinates.count, self.dynamics.coordinates.size
         travel, (_, _, jerk) = d.speed_profile(time), d.speed_profile.speeds(time)
         bodies = d.bodies.derivatives(travel, jerk, state, wheelset_wrenches(at.contacts))
-        states = d.wheelset_states(time, state)
+        states = d.wheelset_states(time, state) if at.states is None else at.states
         tangents, rails = self.tangents(states, at.contacts), self._rail_slopes(travel, state)
         forces = self._by_state(tangents.values[:, :, :3])
-        result = VehicleLinearisation(np.zeros((d.size, d.size)), np.zeros(d.size), tangents.exact, forces)
-        result.by_state[:c, c : 2 * c] = np.eye(c)
+        result = VehicleLinearisation(self._kinematic.copy(), np.zeros(d.size), tangents.exact, forces)
         result.by_state[c:m, :m], result.by_time[c:m] = bodies.by_state, bodies.by_time
         for i, (own, tangent) in enumerate(zip(self._own, tangents.values, strict=True)):
             self._add(result, i, c + own, bodies.by_wrench[:, own].T @ tangent, rails)
@@ -141,7 +140,7 @@ class VehicleJacobian:
     ) -> None:
         """Add derivatives (2, rows, 10 + k) of rates by the changes of the left and the right contact of wheelset i."""
         columns, free = self._columns[i]
-        result.by_state[rows[:, None], columns] += by_contact.sum(axis=0)[:, free]
+        result.by_state[rows[:, None], columns] += (by_contact[0] + by_contact[1])[:, free]
         if rails is not None:
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
             result.by_time[rows] -= (by_contact[:, :, :2] @ rails.by_time[i]).sum(axis=0)[:, 0]
@@ -175,6 +174,13 @@ class VehicleJacobian:
             result.by_time[rows] += travel.speed * by_distance
             x = 6 * d.coordinates.wheelset_bodies[i] + X
             result.by_state[rows[:, None], np.flatnonzero(d.coordinates.free == x)] += by_distance[:, None]
+
+    @cached_property
+    def _kinematic(self) -> Array:
+        """(n, n), derivatives of the coordinates' rates; zero elsewhere."""
+        result, c = np.zeros((self.dynamics.size, self.dynamics.size)), self.dynamics.coordinates.count
+        result[:c, c : 2 * c] = np.eye(c)
+        return result
 
     @cached_property
     def _places(self) -> dict[int, int]:

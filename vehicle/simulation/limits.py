@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import cos, sin
 from typing import NoReturn
 
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.coordinates import ROLL
 from wheelrail.vehicle.multibody.equations import SMOOTH, VehicleDynamics
@@ -40,13 +42,16 @@ class Limits:
             if not getattr(self, name) > 0.0:
                 raise ValueError(f"limits: {name} = {getattr(self, name)}: must be positive")
 
-    def check(self, dynamics: VehicleDynamics, time: float, state: Array) -> None:
+    def check(
+        self, dynamics: VehicleDynamics, time: float, state: Array, states: Mapping[str, WheelsetState] | None = None
+    ) -> None:
         """Raises OutOfBounds with kind, time and place of the event.
 
         Parameters:
             dynamics: the equations of motion.
             time: s.
             state: (2 c + m + w k,).
+            states: of its wheelsets; None: computed.
         """
         distance, _ = dynamics.progress(time, state)
         position = dynamics.coordinates.split(state).position
@@ -55,7 +60,7 @@ class Limits:
                 _end(f"the {_words(name)} overturns to the {_hand(-roll)}: roll {abs(roll):.3f} rad", time, distance)
             if abs(yaw) > self.roll:
                 _end(f"the {_words(name)} has turned off the track: yaw {yaw:.3f} rad", time, distance)
-        for name, of_wheelset in wheels(dynamics, time, state).items():
+        for name, of_wheelset in wheels(dynamics, states or dynamics.wheelset_states(time, state)).items():
             shift, lift = min(of_wheelset, key=lambda wheel: wheel[1])
             gone = f"the {_words(name)} has left the rails"
             if abs(shift) > self.shift:
@@ -72,18 +77,13 @@ def _end(event: str, time: float, distance: float) -> NoReturn:
 LIMITS = Limits()
 
 
-def wheels(dynamics: VehicleDynamics, time: float, state: Array) -> dict[str, list[tuple[float, float]]]:
+def wheels(dynamics: VehicleDynamics, states: Mapping[str, WheelsetState]) -> dict[str, list[tuple[float, float]]]:
     """Shift to the left and lift, m, of the lowest points of the left and the right rolling circle of each wheelset
-    relative to their nominal position on the rails.
-
-    Parameters:
-        dynamics: the equations of motion.
-        time: s.
-        state: (2 c + m + w k,).
+    relative to their nominal position on the rails, in states of the wheelsets.
     """
     half_base, radius = 0.5 * dynamics.track.base, dynamics.vehicle.radius
     result = {}
-    for name, wheelset in dynamics.wheelset_states(time, state).items():
+    for name, wheelset in states.items():
         c, s = cos(wheelset.roll), sin(wheelset.roll)
         result[name] = [
             (
@@ -105,7 +105,7 @@ def describe_position(dynamics: VehicleDynamics, time: float, state: Array) -> s
         state: (2 c + m + w k,).
     """
     texts, several = [], len(dynamics.vehicle.wheelsets) > 1
-    for name, ((shift, left), (_, right)) in wheels(dynamics, time, state).items():
+    for name, ((shift, left), (_, right)) in wheels(dynamics, dynamics.wheelset_states(time, state)).items():
         texts.append(
             f"{_words(name) + ': ' if several else ''}the left wheel is {1e3 * abs(shift):.1f} mm to the "
             f"{_hand(shift)}, {1e3 * left:.1f} mm above its rail, the right wheel {1e3 * right:.1f} mm above its rail"

@@ -188,7 +188,7 @@ class TimeRun:
     def _accept(self, step: Step[VehicleEvaluation]) -> bool:
         """Records a step; whether the vehicle has arrived or stopped. Raises OutOfBounds beyond the limits."""
         self.recorder.add(step)
-        self.limits.check(self.dynamics, step.t, step.x)
+        self.limits.check(self.dynamics, step.t, step.x, step.end.states)
         distance, speed = self.dynamics.progress(step.t, step.x)
         if self.progress is not None:
             t0, t1 = self.span

@@ -9,17 +9,14 @@ import hashlib
 import json
 import logging
 import os
-import re
 import shutil
 import stat
-import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal, TypeVar, cast, get_origin
+from typing import Any, Literal, TypeVar, cast
 
-import numpy as np
 from numba import config, njit, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.ccallback import CFunc
@@ -106,19 +103,18 @@ class TolerantCache(FunctionCache):  # type: ignore[misc]
                 self.flush()
 
 
-def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python", creates_arrays: bool = True) -> F:
+def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python", counts: bool = True) -> F:
     """The function as machine code, compiled at its first call for every type of arguments.
 
     Parameters:
         function: in Python.
         error_model: Numba's; "numpy": a division by zero gives inf or NaN, as in C, instead of an exception.
-        creates_arrays: False, see `inner`.
+        counts: whether references to arrays are counted.
 
     Arithmetic is IEEE 754 in the order of the source. With reordered sums, functions that call others would differ in
     the last bits between the process that compiles them and one that loads them from the cache.
     """
-    dispatcher = njit(nogil=True, error_model=error_model, _nrt=creates_arrays)(_movable(function))
-    path = folder()
+    dispatcher, path = njit(nogil=True, error_model=error_model, _nrt=counts)(_movable(function)), folder()
     if path is not None:
         with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
             dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
@@ -132,32 +128,14 @@ def unchecked(function: F) -> F:
     return compiled(function, error_model="numpy")
 
 
-def inner(function: F) -> F:
-    """As `unchecked`, for functions that neither create nor return arrays.
+def borrowing(function: F) -> F:
+    """As `unchecked`, of a function that neither makes nor returns arrays: references to them are not counted.
 
-    References to their arrays are not counted: the caller has them. Counting takes an atomic instruction of some 5 ns
-    for every array of every argument at each call, and for every slice: a fifth of the time of contact solves.
-    Raises TypeError if the result contains an array, whose references would be wrong.
+    Otherwise a call counts every array of its arguments, those in named tuples included, up and down in atomic
+    instructions of some nanoseconds each, more than a small function takes. Arrays that were returned would be freed
+    while they are used (`tests/project/test_borrowed_arrays.py`); making one is an error of the compiler.
     """
-    if _contains_array(str(function.__annotations__["return"]), function.__globals__):
-        raise TypeError(f"{function.__qualname__} returns an array: its references must be counted")
-    return compiled(function, error_model="numpy", creates_arrays=False)
-
-
-def _contains_array(annotation: str, names: dict[str, Any]) -> bool:
-    """Whether a type contains an array, itself or in a named tuple; names: of the module with the annotation."""
-    parts = [names.get(name) for name in re.findall(r"\w+", annotation)]
-    return any(
-        part is np.ndarray
-        or get_origin(part) is np.ndarray
-        or any(_contains_array(str(field), vars(sys.modules[part.__module__])) for field in _fields(part))
-        for part in parts
-    )
-
-
-def _fields(part: Any) -> Iterable[Any]:
-    """Types of the fields of a named tuple; none of other types."""
-    return part.__annotations__.values() if hasattr(part, "_fields") else ()
+    return compiled(function, error_model="numpy", counts=False)
 
 
 def address(function: Callable[..., Any], signature: Any) -> int:

@@ -17,19 +17,19 @@ from wheelrail.contact.models.lattice.system.surface import (
     penetration_changes,
 )
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 CHANGES = 12
 
 
-@inner
+@borrowing
 def _cross(a: Array, b: Array, to: Array) -> None:
     for c in range(3):
         first, second = (c + 1) % 3, (c + 2) % 3
         to[c] = a[first] * b[second] - a[second] * b[first]
 
 
-@inner
+@borrowing
 def _dot(a: Array, b: Array) -> float:
     return float(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
 

@@ -10,7 +10,7 @@ from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.contact.analytical.kalker import RATIO, Name, kalker
 from wheelrail.contact.laws.material import Material
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing
 
 NAMES: tuple[Name, ...] = ("C11", "C22", "C23")
 
@@ -37,7 +37,7 @@ class PairElasticity(NamedTuple):
         return cls(modulus((upper.E, upper.nu), (lower.E, lower.nu)), 2.0 / sum(compliance), np.array(rows))
 
 
-@compiled
+@borrowing
 def coefficients(table: Array, ratio: float) -> tuple[float, float, float]:
     """C11, C22, C23 at a / b, linear in the shorter over the longer semi-axis; constant below a ratio of 1/10."""
     side = 1 if ratio > 1.0 else 0

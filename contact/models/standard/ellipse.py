@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing
 
 
-@compiled
+@borrowing
 def complete(k: float) -> tuple[float, float]:
     """Complete elliptic integrals K and D = (K - E) / (1 - k^2) of the complementary modulus k, 0 < k <= 1, by the
     arithmetic-geometric mean, without cancellation at k = 1.
@@ -24,7 +24,7 @@ def complete(k: float) -> tuple[float, float]:
     return K, K * total
 
 
-@compiled
+@borrowing
 def axis_ratio(curvatures: float) -> float:
     """Semi-axes short / long of the patch from the coefficients A / B <= 1 of the gap A x^2 + B y^2 (Johnson 1985,
     eq. 4.26): secant steps on a nearly straight line between logarithms.
@@ -45,7 +45,7 @@ def axis_ratio(curvatures: float) -> float:
     return float(np.exp(u1))
 
 
-@compiled
+@borrowing
 def ellipse(A: float, B: float, approach: float, E_star: float) -> tuple[float, float, float]:
     """Semi-axes a, b m along x and y and peak pressure Pa.
 
@@ -62,7 +62,7 @@ def ellipse(A: float, B: float, approach: float, E_star: float) -> tuple[float, 
     return (long, k * long, peak) if A <= B else (k * long, long, peak)
 
 
-@compiled
+@borrowing
 def strip_potential(half: float, away: float) -> float:
     """Potential of a strip's pressure at a lateral distance away m: the integral m over x of
     sqrt(half^2 - x^2) / sqrt(x^2 + away^2).

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing
 
 
 class ElasticFoundation(NamedTuple):
@@ -25,7 +25,7 @@ class ElasticFoundation(NamedTuple):
     spin: float
 
 
-@compiled
+@borrowing
 def foundation(a: float, b: float, G: float, kalker: tuple[float, float, float]) -> ElasticFoundation:
     """Flexibilities of an elliptic patch (Kalker 1990, eq. 2.79).
 
@@ -41,7 +41,7 @@ def foundation(a: float, b: float, G: float, kalker: tuple[float, float, float])
     )
 
 
-@compiled
+@borrowing
 def next_traction(qx: float, qy: float, dx: float, dy: float, bound: float) -> tuple[float, float, float]:
     """Traction Pa after increments of displacement over flexibility dx, dy Pa, and the excess of the elastic one over
     the bound Pa: 0 where the surfaces stick.
@@ -57,7 +57,7 @@ def next_traction(qx: float, qy: float, dx: float, dy: float, bound: float) -> t
     return scale * qx, scale * qy, size - bound
 
 
-@compiled
+@borrowing
 def strip_tractions(
     half: float,
     creep: tuple[float, float],

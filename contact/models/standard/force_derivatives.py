@@ -7,6 +7,8 @@ of `wheelrail.contact.results.result.ContactResult.tangent`.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
@@ -17,15 +19,15 @@ from wheelrail.contact.models.standard.forces import StripFrames, half_ellipse_m
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.pressure_derivatives import PressureDerivatives
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives, rigid_motions
-from wheelrail.contact.models.standard.strip_resultant import strip_increments, strip_slopes
+from wheelrail.contact.models.standard.strip_resultant import END, strip_increments, strip_slopes
 from wheelrail.meshes.curves.closest_point import Shape, local, piece
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import unchecked
+from wheelrail.support.compiled import borrowing, unchecked
 
 CHANGES = 12
 
 
-@unchecked
+@borrowing
 def surface_derivatives(
     wheel: Shape,
     radius: float,
@@ -79,7 +81,7 @@ def surface_derivatives(
             )
 
 
-@unchecked
+@borrowing
 def component_derivatives(
     v: RigidVelocities,
     parts: tuple[float, float],
@@ -121,7 +123,7 @@ def component_derivatives(
     column[11] = part * (x * ay - y * ax)
 
 
-@unchecked
+@borrowing
 def creepage_derivatives(
     v: RigidVelocities,
     reference: Array,
@@ -155,7 +157,7 @@ def creepage_derivatives(
             columns[k, q] = (columns[k, q] - creepage[k] * by_V[q]) / V
 
 
-@unchecked
+@borrowing
 def coefficient_slopes(table: Array, ratio: float) -> tuple[float, float, float]:
     """Derivatives of `wheelrail.contact.models.standard.creep_coefficients.coefficients` by the ratio of semi-axes."""
     side, shorter = (1 if ratio > 1.0 else 0), min(ratio, 1.0 / ratio)
@@ -165,6 +167,35 @@ def coefficient_slopes(table: Array, ratio: float) -> tuple[float, float, float]
     slope = 10.0 * (-shorter * shorter if ratio > 1.0 else 1.0)
     low, high = table[side, i], table[side, i + 1]
     return slope * (high[0] - low[0]), slope * (high[1] - low[1]), slope * (high[2] - low[2])
+
+
+class Derivation(NamedTuple):
+    """Arrays that are filled on the way to the derivatives.
+
+    Parameters:
+        increments, resultants, slopes: (n, 3), (n, 3), zero, and (n, 3, 3), zero, of the strips.
+        lanes: (END,), of FASTSIM.
+        bounds: (m,) of the traction on the cells of a strip, over the largest one.
+        by_point, by_axes, reference: (3, 6), (3, 3, 6) and (3, 6).
+        by_speed: (12,), of the rolling speed.
+        by_patch, by_own: (3, 12), of the creepages of a patch and of a strip.
+        of_patch, by_strip, by_force: (7, 12), (2, 12) and (4, 12), zero.
+    """
+
+    increments: Array
+    resultants: Array
+    slopes: Array
+    lanes: Array
+    bounds: Array
+    by_point: Array
+    by_axes: Array
+    reference: Array
+    by_speed: Array
+    by_patch: Array
+    by_own: Array
+    of_patch: Array
+    by_strip: Array
+    by_force: Array
 
 
 @unchecked
@@ -196,19 +227,61 @@ def force_derivatives(
         cells: along each strip.
         by_zones, by_strips: derivatives of regions and pressures.
     """
-    (origin, rotation), (middles, peaks) = pose, frames
-    tangent, n = np.zeros((6, CHANGES)), len(strips.s)
-    dome = half_ellipse_means(cells)[1]
+    tangent, n, dome = np.zeros((6, CHANGES)), len(strips.s), half_ellipse_means(cells)[1]
     top = dome.max()
-    bounds, increments = dome / top, np.empty((n, 3))
-    resultants, all_slopes = np.zeros((n, 3)), np.zeros((n, 3, 3))
-    by_point, by_axes, reference = np.empty((3, MOTIONS)), np.empty((3, 3, MOTIONS)), np.empty((3, MOTIONS))
-    by_speed = np.empty(CHANGES)
-    by_patch, by_own, of_patch = np.empty((3, CHANGES)), np.empty((3, CHANGES)), np.zeros((7, CHANGES))
-    by_strip, by_force = np.zeros((2, CHANGES)), np.zeros((4, CHANGES))
-    away = v.wheel_at - origin
-    rigid_motions(away[0], away[1], away[2], False, reference)
-    start = 0
+    work = Derivation(
+        np.empty((n, 3)),
+        np.zeros((n, 3)),
+        np.zeros((n, 3, 3)),
+        np.empty(END),
+        dome / top,
+        np.empty((3, MOTIONS)),
+        np.empty((3, 3, MOTIONS)),
+        np.empty((3, MOTIONS)),
+        np.empty(CHANGES),
+        np.empty((3, CHANGES)),
+        np.empty((3, CHANGES)),
+        np.zeros((7, CHANGES)),
+        np.zeros((2, CHANGES)),
+        np.zeros((4, CHANGES)),
+    )
+    of_pair, of_regions = (elastic, mu, top), (by_zones, by_strips)
+    add_derivatives(wheel, radius, pose, zones, strips, frames, v, of_pair, of_regions, work, tangent)
+    return tangent
+
+
+@borrowing
+def add_derivatives(
+    wheel: Shape,
+    radius: float,
+    pose: tuple[Array, Array],
+    zones: PenetrationRegions,
+    strips: StripPressures,
+    frames: tuple[StripFrames, StripFrames],
+    v: RigidVelocities,
+    of_pair: tuple[PairElasticity, float, float],
+    of_regions: tuple[RegionDerivatives, PressureDerivatives],
+    work: Derivation,
+    tangent: Array,
+) -> None:
+    """Add the derivatives of `force_derivatives` to a tangent (6, 12).
+
+    Parameters:
+        of_pair: constants of both bodies, friction coefficient, and the largest mean of 1 - t^2 over a cell.
+        of_regions: derivatives of regions and pressures.
+        work: filled.
+
+    Other parameters are those of `force_derivatives`.
+    """
+    (origin, rotation), (middles, peaks), (elastic, mu, top), (by_zones, by_strips) = pose, frames, of_pair, of_regions
+    increments, resultants, all_slopes, bounds = work.increments, work.resultants, work.slopes, work.bounds
+    lanes = work.lanes
+    by_point, by_axes, reference, by_speed = work.by_point, work.by_axes, work.reference, work.by_speed
+    by_patch, by_own, of_patch = work.by_patch, work.by_own, work.of_patch
+    by_strip, by_force = work.by_strip, work.by_force
+    at = v.wheel_at
+    rigid_motions(at[0] - origin[0], at[1] - origin[1], at[2] - origin[2], False, reference)
+    start, n = 0, len(strips.s)
     for c in range(len(zones.peak)):
         stop, volume = start, 0.0
         of_patch[:] = 0.0
@@ -248,8 +321,9 @@ def force_derivatives(
             for i in range(start, stop):
                 bound = mu * load / volume * strips.half[i] ** 2 * top
                 own = creepages(v, middles.point[i], middles.axes[i], speed)
-                increments[i] = strip_increments(flexible, (xi, eta), own, strips.half[i], bound)
-            strip_slopes(increments[start:stop], bounds, resultants[start:stop], all_slopes[start:stop])
+                along, across, turn = strip_increments(flexible, (xi, eta), own, strips.half[i], bound)
+                increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
+            strip_slopes(increments[start:stop], bounds, resultants[start:stop], all_slopes[start:stop], lanes)
         for i in range(start, stop):
             half, width = strips.half[i], strips.width[i]
             point, axes, place = middles.point[i], middles.axes[i], (strips.s[i], strips.x[i])
@@ -289,10 +363,9 @@ def force_derivatives(
                     by_force[3, q] = half * size * by_turn + turn * (grow + weight * by_half)
             add_strip(point, axes, values, by_point, by_axes, by_force, tangent)
         start = stop
-    return tangent
 
 
-@unchecked
+@borrowing
 def add_strip(
     point: Array,
     axes: Array,

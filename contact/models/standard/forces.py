@@ -12,7 +12,7 @@ from wheelrail.contact.models.standard.fastsim import ElasticFoundation, foundat
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.polach import effective, polach
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing, compiled
 
 NO_FRICTION, FASTSIM, POLACH = 0, 1, 2
 
@@ -89,7 +89,7 @@ class StripTractions(NamedTuple):
     sticks: Mask
 
 
-@compiled
+@borrowing
 def rolling_patch(
     strips: StripPressures,
     contact: int,
@@ -138,7 +138,7 @@ def half_ellipse_means(cells: int) -> tuple[Array, Array]:
     return arch, dome
 
 
-@compiled
+@borrowing
 def fill_cells(
     strips: StripPressures, i: int, frames: StripFrames, share: float, arch: Array, cells: StripTractions
 ) -> None:
@@ -204,13 +204,13 @@ def slip_velocities(
     return cells, whole
 
 
-@compiled
+@borrowing
 def polach_force(patch: RollingPatch, G: float, friction: float, reduction: tuple[float, float]) -> tuple[float, float]:
     """Longitudinal and lateral force N on a patch by Polach's formula, for a friction coefficient."""
     return polach(patch.creepages, patch.semi_axes, friction * patch.load, G, patch.kalker, reduction)
 
 
-@compiled
+@borrowing
 def polach_strip(
     force: tuple[float, float],
     load: float,
@@ -237,7 +237,7 @@ def polach_strip(
         slip[j, 0], slip[j, 1] = creepage[0], creepage[1] + creepage[2] * x
 
 
-@compiled
+@borrowing
 def integrate_tractions(cells: StripTractions, axes: Array) -> None:
     """Fill force and moment from tractions and pressures of the cells, axes (n, 3, 3) of their strips."""
     force, moment, place = cells.force, cells.moment, cells.point

@@ -9,7 +9,7 @@ import numpy as np
 from wheelrail.contact.geometry.interpenetration import POSITIONS, VIRTUAL, WIDTHS, PenetrationRegions
 from wheelrail.contact.models.standard.ellipse import axis_ratio, ellipse, strip_potential
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing, compiled
 
 
 class StripPressures(NamedTuple):
@@ -35,7 +35,7 @@ class StripPressures(NamedTuple):
     across: Array
 
 
-@compiled
+@borrowing
 def moments(s: Array, width: Array, half: Array) -> tuple[float, float]:
     """Semi-axes m, along and across, of the ellipse whose Hertz pressure has the same second moments as strips.
 

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing
 
 
-@compiled
+@borrowing
 def effective(eta: float, phi: float, a: float) -> float:
     """Effective lateral creepage from the lateral creepage eta and the spin phi 1/m on a patch of semi-axis a m."""
     return max(abs(eta), abs(eta + phi * a))
 
 
-@compiled
+@borrowing
 def polach(
     creepages: tuple[float, float, float],
     semi_axes: tuple[float, float],

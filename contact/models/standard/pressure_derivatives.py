@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
-from wheelrail.contact.models.standard.ellipse import axis_ratio, complete, strip_potential
+from wheelrail.contact.models.standard.ellipse import axis_ratio, complete
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import unchecked
+from wheelrail.support.compiled import borrowing, unchecked
 
 CIRCULAR = 1e-5  # 1 - k^2 below which the derivative of D is that at k = 1: its error is of this order
 
@@ -28,7 +28,7 @@ class PressureDerivatives(NamedTuple):
     patches: Array
 
 
-@unchecked
+@borrowing
 def complete_derivatives(k: float, K: float, D: float) -> tuple[float, float]:
     """Derivatives of K and D of `complete` by k."""
     m = (1.0 - k) * (1.0 + k)
@@ -36,7 +36,7 @@ def complete_derivatives(k: float, K: float, D: float) -> tuple[float, float]:
     return -(K - D) / k, -2.0 * k * by_m
 
 
-@unchecked
+@borrowing
 def axis_ratio_slope(k: float) -> float:
     """Logarithmic derivative of `axis_ratio` by the ratio of curvatures, where its value is k."""
     K, D = complete(k)
@@ -44,13 +44,13 @@ def axis_ratio_slope(k: float) -> float:
     return 1.0 / (2.0 + k * (by_D / D - (by_K - by_D) / (K - D)))
 
 
-@unchecked
-def potential_slopes(half: float, away: float, value: float) -> tuple[float, float]:
-    """Derivatives of `strip_potential`, homogeneous of degree 1, by half length and distance, from its value."""
+@borrowing
+def potential_slopes(half: float, away: float) -> tuple[float, float, float]:
+    """`strip_potential`, homogeneous of degree 1, and its derivatives by half length and distance."""
     reach = np.sqrt(half * half + away * away)
-    K, _ = complete(max(away / reach, 1e-12))
-    by_half = 2.0 * half / reach * K
-    return by_half, (value - half * by_half) / away if away > 0.0 else 0.0
+    K, D = complete(max(away / reach, 1e-12))
+    value, by_half = 2.0 * (half / reach) * half * D, 2.0 * half / reach * K
+    return value, by_half, (value - half * by_half) / away if away > 0.0 else 0.0
 
 
 @unchecked
@@ -65,8 +65,27 @@ def virtual_penetration_derivatives(
         by: derivatives of the regions.
     """
     k, n = len(zones.peak), len(zones.s)
-    strips, patches = np.empty((n, 5, MOTIONS)), np.empty((k, 3, MOTIONS))
-    by_half, by_ratio, by_potential = np.empty((n, MOTIONS)), np.empty(MOTIONS), np.empty(MOTIONS)
+    result = PressureDerivatives(np.empty((n, 5, MOTIONS)), np.zeros((k, 3, MOTIONS)))
+    fill_derivatives(zones, pressures, by, result, np.empty((n, MOTIONS)), np.empty(MOTIONS))
+    return result
+
+
+@borrowing
+def fill_derivatives(
+    zones: PenetrationRegions,
+    pressures: StripPressures,
+    by: RegionDerivatives,
+    result: PressureDerivatives,
+    by_half: Array,
+    by_potential: Array,
+) -> None:
+    """Fill the derivatives of `virtual_penetration_derivatives`, whose parameters these are.
+
+    Parameters:
+        result: filled, zero before.
+        by_half, by_potential: (n, 6) and (6,), filled: of the half lengths and of a patch's potential.
+    """
+    strips, patches, k, n = result.strips, result.patches, len(zones.peak), len(zones.s)
     start = 0
     for c in range(k):
         stop, total, first, along, second = start, 0.0, 0.0, 0.0, 0.0
@@ -96,8 +115,8 @@ def virtual_penetration_derivatives(
                 by_total += by_load
                 by_along += by_load * square + square * width * by_square
                 by_second += by_load * away * away + 2.0 * square * width * away * by.strips[i, 0, q]
-            by_ratio[q] = 0.5 * (by_second / second - by_along / along)
-            by_stretch = power * by_ratio[q]  # logarithmic, as the two before
+            by_ratio = 0.5 * (by_second / second - by_along / along)
+            by_stretch = power * by_ratio  # logarithmic, as the two before
             by_a = 0.5 * (by_along / along - by_total / total) + by_stretch
             by_b = 0.5 * (by_second / second - by_total / total) - by_stretch
             patches[c, 1, q], patches[c, 2, q] = by_a * pressures.along[c], by_b * pressures.across[c]
@@ -112,14 +131,12 @@ def virtual_penetration_derivatives(
         for i in range(start, stop):
             half, width = pressures.half[i], pressures.width[i]
             away = pressures.s[i] - zones.peak[c]
-            value = strip_potential(half, abs(away))
-            by_length, by_distance = potential_slopes(half, abs(away), value)
+            value, by_length, by_distance = potential_slopes(half, abs(away))
             potential += value * width
             for q in range(MOTIONS):
                 distance = (strips[i, 0, q] - by.contacts[c, 0, q]) * (1.0 if away > 0.0 else -1.0)
                 change = by_length * strips[i, 3, q] + by_distance * distance
                 by_potential[q] += change * width + value * strips[i, 2, q]
-        patches[c, 0] = 0.0
         for i in range(start, stop):
             half, width, scale = pressures.half[i], pressures.width[i], pressures.scale[i]
             for q in range(MOTIONS):
@@ -129,4 +146,3 @@ def virtual_penetration_derivatives(
                 )
                 patches[c, 0, q] += 0.5 * np.pi * strips[i, 4, q]
         start = stop
-    return PressureDerivatives(strips, patches)

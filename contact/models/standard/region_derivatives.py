@@ -27,7 +27,7 @@ from wheelrail.contact.geometry.rigid_search import deepest
 from wheelrail.contact.geometry.wheel_surface import Place
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import unchecked
+from wheelrail.support.compiled import borrowing, unchecked
 
 MOTIONS = 6  # of a rigid body: translations along the axes of the rail, rotations about them
 
@@ -44,7 +44,7 @@ class RegionDerivatives(NamedTuple):
     strips: Array
 
 
-@unchecked
+@borrowing
 def rigid_motions(x: float, y: float, z: float, turns_only: bool, columns: Array) -> None:
     """Fill the derivatives (3, 6) of a vector by rigid motions: a distance from the origin, or a direction, which
     turns only.
@@ -57,7 +57,7 @@ def rigid_motions(x: float, y: float, z: float, turns_only: bool, columns: Array
     columns[0, 5], columns[1, 5] = -y, x
 
 
-@unchecked
+@borrowing
 def turned(rotation: Array, a: float, b: float, c: float) -> Place:
     """Vector of the wheel's axes in those of the rail."""
     return (
@@ -67,14 +67,14 @@ def turned(rotation: Array, a: float, b: float, c: float) -> Place:
     )
 
 
-@unchecked
+@borrowing
 def along_direction(vector: Place, y: float, z: float) -> tuple[float, float, float, float]:
     """Component of a vector along a direction (0, y, z), and its derivatives by the three rotations."""
     a, b, c = vector
     return y * b + z * c, z * b - y * c, -z * a, y * a
 
 
-@unchecked
+@borrowing
 def at_line(
     wheel: Shape,
     rail: Shape,
@@ -132,7 +132,7 @@ def at_line(
     return sample
 
 
-@unchecked
+@borrowing
 def stationary_derivatives(rows: Array, columns: Array) -> None:
     """Fill derivatives (3, 6) of position, penetration and x of a maximum or minimum from those (3, 7) at its line."""
     for i in range(MOTIONS):
@@ -141,7 +141,7 @@ def stationary_derivatives(rows: Array, columns: Array) -> None:
         columns[2, i] = rows[2, 1 + i] + rows[2, 0] * moved
 
 
-@unchecked
+@borrowing
 def fade_pair(t: float) -> tuple[float, float]:
     """`wheelrail.contact.geometry.interpenetration.fade` and its derivative."""
     t = min(max(t, 0.0), 1.0)

@@ -17,9 +17,9 @@ from wheelrail.contact.models.standard.forces import (
     rolling_patch,
 )
 from wheelrail.contact.models.standard.normal import StripPressures
-from wheelrail.contact.models.standard.strip_resultant import strip_increments, strip_resultants
+from wheelrail.contact.models.standard.strip_resultant import END, strip_increments, strip_resultants
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing, compiled
 
 Friction = tuple[int, float, tuple[float, float], int]  # method, coefficient, factors of Polach's formula, cells
 
@@ -52,6 +52,7 @@ def strip_loads(
     dome, slowest, start = half_ellipse_means(cells)[1], np.inf, 0
     top = dome.max()
     bounds, increments, resultants = dome / top, np.empty((len(strips.s), 3)), np.empty((len(strips.s), 3))
+    lanes = np.empty(END)
     for c in range(len(zones.peak)):
         stop = start
         while stop < len(strips.s) and strips.contact[stop] == c:
@@ -69,7 +70,7 @@ def strip_loads(
                 bound, creep = mu * patch.paraboloid * half * half * top, (patch.creepages[0], patch.creepages[1])
                 along, across, turn = strip_increments(patch.flexibility, creep, own, half, bound)
                 increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
-            strip_resultants(increments[start:stop], bounds, resultants[start:stop])
+            strip_resultants(increments[start:stop], bounds, resultants[start:stop], lanes)
         for i in range(start, stop):
             half, size = strips.half[i], strips.width[i] * zones.weight[c]
             normal = 0.5 * np.pi * strips.scale[i] * half * half * size
@@ -85,7 +86,7 @@ def strip_loads(
     return slowest
 
 
-@compiled
+@borrowing
 def add_load(frames: StripFrames, i: int, load: tuple[float, float, float, float], force: Array, moment: Array) -> None:
     """Add the load of strip i: longitudinal, lateral and pressing force N, and moment N m about the inward normal."""
     point, axes, (x, y, p, turn) = frames.point[i], frames.axes[i], load

@@ -12,7 +12,7 @@ import numpy as np
 
 from wheelrail.contact.models.standard.fastsim import ElasticFoundation
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import unchecked
+from wheelrail.support.compiled import borrowing
 
 Increments = tuple[float, float, float]
 
@@ -27,7 +27,7 @@ FACTOR, REDUCED, UX, UY, SHORTER, STICKS = (LANES * k for k in range(14, 20))
 BY_X, BY_Y, SLOPES, END = (LANES * k for k in (20, 23, 26, 35))
 
 
-@unchecked
+@borrowing
 def strip_increments(
     flexible: ElasticFoundation,
     creep: tuple[float, float],
@@ -52,18 +52,18 @@ def strip_increments(
     )
 
 
-@unchecked
-def strip_resultants(increments: Array, bounds: Array, resultants: Array) -> None:
+@borrowing
+def strip_resultants(increments: Array, bounds: Array, resultants: Array, lanes: Array) -> None:
     """Fill means over the cells of both tractions and of place times lateral traction of strips.
 
     Parameters:
         increments: (n, 3), see `strip_increments`.
         bounds: (m,), of the traction on cells from the trailing end, over the largest one.
         resultants: (n, 3) filled.
+        lanes: (END,), filled.
 
     The recursion is that of `wheelrail.contact.models.standard.fastsim.strip_tractions`.
     """
-    lanes = np.zeros(END)
     for first in range(0, len(increments), LANES):
         load_lanes(increments, first, lanes)
         roll(lanes, bounds, False)
@@ -72,10 +72,9 @@ def strip_resultants(increments: Array, bounds: Array, resultants: Array) -> Non
                 resultants[first + k, d] = lanes[SUM + LANES * d + k] / len(bounds)
 
 
-@unchecked
-def strip_slopes(increments: Array, bounds: Array, resultants: Array, slopes: Array) -> None:
+@borrowing
+def strip_slopes(increments: Array, bounds: Array, resultants: Array, slopes: Array, lanes: Array) -> None:
     """As `strip_resultants`, and derivatives (n, 3, 3) by the increments, which are filled."""
-    lanes = np.zeros(END)
     for first in range(0, len(increments), LANES):
         load_lanes(increments, first, lanes)
         roll(lanes, bounds, True)
@@ -86,7 +85,7 @@ def strip_slopes(increments: Array, bounds: Array, resultants: Array, slopes: Ar
                     slopes[first + k, d, j] = lanes[SLOPES + LANES * (3 * d + j) + k] / len(bounds)
 
 
-@unchecked
+@borrowing
 def load_lanes(increments: Array, first: int, lanes: Array) -> None:
     """Increments of strips from a first one on into the lanes, zero where there are none, and zero tractions."""
     lanes[:] = 0.0
@@ -95,7 +94,7 @@ def load_lanes(increments: Array, first: int, lanes: Array) -> None:
             lanes[LANES * d + k] = increments[first + k, d]
 
 
-@unchecked
+@borrowing
 def roll(lanes: Array, bounds: Array, slopes: bool) -> None:
     """Tractions of all cells from the leading end, their sums and, if asked for, those of the derivatives."""
     m = len(bounds)
@@ -116,7 +115,7 @@ def roll(lanes: Array, bounds: Array, slopes: bool) -> None:
         step = h
 
 
-@unchecked
+@borrowing
 def advance(lanes: Array, step: float, place: float, bound: float) -> None:
     """Tractions one cell further, see `wheelrail.contact.models.standard.fastsim.next_traction`."""
     for k in range(LANES):
@@ -139,7 +138,7 @@ def advance(lanes: Array, step: float, place: float, bound: float) -> None:
         lanes[QY + k] = ey if sticks else shorter * ny
 
 
-@unchecked
+@borrowing
 def advance_slopes(lanes: Array, j: int, step_x: float, step_y: float, middle: float) -> None:
     """Derivatives of the tractions by increment j one cell further, after `advance`, and their sums.
 

@@ -361,7 +361,8 @@ def test_derivatives_of_elliptic_functions(ratio: float) -> None:
     ahead, behind = (np.log(axis_ratio(ratio * np.exp(way * step))) for way in (1.0, -1.0))
     assert axis_ratio_slope(k) == pytest.approx((ahead - behind) / (2 * step), rel=1e-4)
     half, away = 4e-3, 4e-3 * ratio
-    by_half, by_away = potential_slopes(half, away, strip_potential(half, away))
+    value, by_half, by_away = potential_slopes(half, away)
+    assert value == pytest.approx(strip_potential(half, away), rel=1e-14)
     for slope, along, across in ((by_half, 1e-8, 0.0), (by_away, 0.0, 1e-8)):
         values = [strip_potential(half + way * along, away + way * across) for way in (1.0, -1.0)]
         assert slope == pytest.approx((values[0] - values[1]) / 2e-8, rel=1e-5)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import unchecked
 from wheelrail.vehicle.multibody.compiled.bodies import BodyArrays, Motion, Travel, motion_in
 from wheelrail.vehicle.multibody.compiled.vectors import (
     Vector,
@@ -119,7 +120,7 @@ def force_moment(bodies: BodyArrays, loads: LoadArrays, f: int, motion: Motion, 
     return moment
 
 
-@analytic
+@unchecked
 def add_loads(
     bodies: BodyArrays,
     loads: LoadArrays,

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import unchecked
 from wheelrail.vehicle.multibody.compiled.applied_loads import add_loads
 from wheelrail.vehicle.multibody.compiled.bodies import Travel
 from wheelrail.vehicle.multibody.compiled.body_derivatives import (
@@ -70,7 +71,7 @@ class BodySlopes(NamedTuple):
     by_common: Array
 
 
-@analytic
+@unchecked
 def derivatives(
     vehicle: VehicleArrays, travel: Travel, rates: Travel, state: Array, columns: Nodes, wrenches: Array
 ) -> VehicleDerivatives:
@@ -119,7 +120,7 @@ def derivatives(
     return selected(vehicle, own, by_state, by_time, columns)
 
 
-@analytic
+@unchecked
 def selected(
     vehicle: VehicleArrays, own: BodySlopes, by_state: Array, by_time: Array, columns: Nodes
 ) -> VehicleDerivatives:
@@ -140,7 +141,7 @@ def selected(
     return result
 
 
-@analytic
+@unchecked
 def body_slopes(
     vehicle: VehicleArrays,
     travel: Travel,
@@ -178,7 +179,7 @@ def body_slopes(
     return BodySlopes(motion, acceleration, by_wrench, by_common)
 
 
-@analytic
+@unchecked
 def product_of(a: Array, b: Array) -> Array:
     """Product of small matrices."""
     result = np.zeros((len(a), b.shape[1]))

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import unchecked
 from wheelrail.vehicle.multibody.compiled.bodies import Motion, motion_in
 from wheelrail.vehicle.multibody.compiled.elements import ElementArrays, element_state, law_slope, spring_moment
 from wheelrail.vehicle.multibody.compiled.sections import STEP
@@ -260,7 +261,7 @@ def add_element(base: ElementBase, turn: float, upper: Motion, lower: Motion, va
         add_slopes(values[side], 6, without_axle(base, on_lower, not is_upper))
 
 
-@analytic
+@unchecked
 def fill_series(
     elements: ElementArrays,
     e: int,
@@ -320,7 +321,7 @@ def turned(a: Vector, change: Vector) -> Vector:
     return complex(a[0], STEP * change[0]), complex(a[1], STEP * change[1]), complex(a[2], STEP * change[2])
 
 
-@analytic
+@unchecked
 def add_suspension(
     elements: ElementArrays, wheelset: Array, motions: Array, series: Array, rates: Array, result: SuspensionSlopes
 ) -> None:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import unchecked
 from wheelrail.vehicle.multibody.compiled.applied_loads import LoadArrays, add_loads
 from wheelrail.vehicle.multibody.compiled.bodies import (
     Acceleration,
@@ -55,7 +56,7 @@ def near(distance: float, state: Array) -> float:
     return place
 
 
-@analytic
+@unchecked
 def sections(vehicle: VehicleArrays, distance: float, reference: float, state: Array) -> Array:
     """Track sections (n, 6, 3) at the bodies: position m, axes, rotation per length rad/m and its derivative rad/m2.
 
@@ -72,7 +73,7 @@ def sections(vehicle: VehicleArrays, distance: float, reference: float, state: A
     return result
 
 
-@analytic
+@unchecked
 def motions_of(vehicle: VehicleArrays, rows: Array, travel: Travel, state: Array) -> Array:
     """Motions (n, 6, 3) of the bodies, see `motion_in`; parameters as for `accelerations`."""
     result = np.empty((len(rows), 6, 3))
@@ -95,7 +96,7 @@ def store_motion(vehicle: VehicleArrays, rows: Array, travel: Travel, state: Arr
     store(values[5], motion.rate)
 
 
-@analytic
+@unchecked
 def suspension(vehicle: VehicleArrays, motions: Array, series: Array, series_rate: Array) -> Array:
     """Forces and moments (n, 2, 3) N and N m of elements and rotational springs on the bodies, in common axes.
 
@@ -132,7 +133,7 @@ def suspension(vehicle: VehicleArrays, motions: Array, series: Array, series_rat
     return total
 
 
-@analytic
+@unchecked
 def element_states(vehicle: VehicleArrays, travels: Array, states: Array) -> Array:
     """Deflections m and forces N (r, 2, e, 3) of the elements on their upper bodies, in the elements' axes.
 
@@ -156,7 +157,7 @@ def element_states(vehicle: VehicleArrays, travels: Array, states: Array) -> Arr
     return result
 
 
-@analytic
+@unchecked
 def accelerations(vehicle: VehicleArrays, rows: Array, travel: Travel, state: Array, wrenches: Array) -> Array:
     """Accelerations (6 n,) of the coordinates, then the rates (m,) m/s of the springs of Maxwell elements.
 

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import unchecked
+from wheelrail.support.compiled import borrowing
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -19,9 +19,9 @@ Matrix = tuple[Vector, Vector, Vector]  # columns
 
 def analytic(function: F) -> F:
     """The function as machine code for real and, where derivatives are taken by complex steps, for complex numbers,
-    without checks, which cost compile time.
+    without checks, which cost compile time; it neither makes nor returns arrays.
     """
-    return unchecked(function)
+    return borrowing(function)
 
 
 @analytic

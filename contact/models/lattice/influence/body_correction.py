@@ -20,7 +20,7 @@ from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weigh
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, CHANGES, COMPONENTS, DEGREE, REACH, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.cache import cached, digest
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 START = 0.04  # m: cells of 5 mm up to this distance; of 2.5 mm, forces change by 1e-6
 RECIPROCAL = np.array([1, 1, 1, 1, -1, -1, 1, 1])  # signs of the components of the pair in the other order
@@ -178,7 +178,7 @@ def _hats(arc: Array, s: Array) -> Array:
     return values
 
 
-@inner
+@borrowing
 def _integral(arc: Array, k: int, s: float) -> float:
     """Integral up to s m of the function that is 1 at line k and 0 at the others, linear in between."""
     total = 0.0
@@ -203,22 +203,23 @@ def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
     return share
 
 
-@compiled
+@borrowing
 def add_pair_mean(lines: Array, first: int, row: Array, column: Array, to: Array, start: int = 0) -> None:
     """Add the coefficients (cells, DEGREE + 1, COMPONENTS) of a pair of strips from those of lines (ns, ns, ..).
 
     row, column: (n,) weights of the lines from the first in both strips; start: the first cell.
     """
-    total = to.ravel()
     for k in range(len(row)):
         if row[k] == 0.0:
             continue
         for m in range(len(column)):
             weight = row[k] * column[m]
-            if weight != 0.0:
-                values = lines[first + k, first + m, start : start + len(to)].ravel()
-                for c in range(len(total)):
-                    total[c] += weight * values[c]
+            if weight == 0.0:
+                continue
+            for cell in range(len(to)):
+                for d in range(DEGREE + 1):
+                    for c in range(COMPONENTS):
+                        to[cell, d, c] += weight * lines[first + k, first + m, start + cell, d, c]
 
 
 class PairMeans(NamedTuple):
@@ -254,7 +255,7 @@ def pair_means(lines: Array, first: int, share: Array, cells: int) -> PairMeans:
     return PairMeans(lines, first, share, np.empty((pairs, cells, *lines.shape[3:])), np.zeros(pairs, dtype=np.int64))
 
 
-@inner
+@borrowing
 def pair_row(means: PairMeans, i: int, j: int, cells: int) -> int:
     """Row of the values of a pair i <= j, valid in some first cells."""
     row = j * (j + 1) // 2 + i

@@ -11,10 +11,10 @@ from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.short_strips import share, split_table, store_boundaries
 from wheelrail.contact.models.lattice.influence.vectors import products
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 
-@inner
+@borrowing
 def _matrix(G: Array, turn: float, K: Array) -> None:
     """Displacement (row) by force (column) K (R, C, 3, 3) from table values (R, C, 8); turned: (C, R, ..)."""
     for r in range(G.shape[0]):
@@ -26,7 +26,7 @@ def _matrix(G: Array, turn: float, K: Array) -> None:
             k[2, 0], k[2, 1], k[2, 2] = -turn * g[XN], g[TN] - turn * g[TN_TURN], g[NN]
 
 
-@inner
+@borrowing
 def _add_cells(K: Array, width: float, place: tuple[int, int], length: float, basis: StripBasis, A: Array) -> None:
     """Slips and displacements of the cells of a strip by unit tractions on those of another, into A (3, n, 3, n).
 
@@ -101,7 +101,7 @@ def normal_displacements(
     return _store_displacements(tables, places, grid, jumps, split, basis, work, displacement), displacement
 
 
-@inner
+@borrowing
 def _store_displacements(
     tables: PairTables,
     places: tuple[Nodes, Array, Array],

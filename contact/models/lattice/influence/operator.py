@@ -24,7 +24,7 @@ from wheelrail.contact.models.lattice.influence.vectors import (
     weighted,
 )
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 SHIFT = 49  # bits of a double below the three leading ones of its fraction: eight cells an octave
 BIAS = 1023 << 3
@@ -50,7 +50,7 @@ class StripGrid(NamedTuple):
     middle: Array
 
 
-@inner
+@borrowing
 def look_up(
     tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: Array, H: Array | None, turn: float = 1.0
 ) -> bool:
@@ -102,7 +102,7 @@ def look_up(
     return True
 
 
-@inner
+@borrowing
 def _displaced(sums: Array, turn: float) -> tuple[float, float, float]:
     """Components from sums (3, 8) of table values times loads along, across and normal.
 
@@ -115,7 +115,7 @@ def _displaced(sums: Array, turn: float) -> tuple[float, float, float]:
     )
 
 
-@inner
+@borrowing
 def _antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Array, V: Array) -> None:
     """Add to V (R, 3) of a strip the effect of jumps (M + 1, 3) of the force per length on another one.
 
@@ -145,7 +145,7 @@ def antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array) -> tuple[
     return _store_antiderivatives(tables, grid, jumps, np.empty((R, R, 8)), np.empty((3, 8)), V), V
 
 
-@inner
+@borrowing
 def _store_antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array, G: Array, sums: Array, V: Array) -> bool:
     """Fill V of `antiderivatives`, which is zero; G (R, R, 8) and sums (3, 8): work space."""
     S = len(grid.x)
@@ -178,7 +178,7 @@ class WorkSpace(NamedTuple):
     end: Array
 
 
-@inner
+@borrowing
 def _add_loads(
     G: Array, width: float, length: float, basis: StripBasis, turn: float, rolls: bool, work: WorkSpace, A: Array
 ) -> None:
@@ -223,7 +223,7 @@ def _add_loads(
             A[M + r, M + c] += factor * (e[c, TT] - e[c + 1, TT])
 
 
-@inner
+@borrowing
 def _add_ends(
     H: Array,
     jumps: Array,
@@ -268,7 +268,7 @@ def _add_ends(
             A[M + r, column] += per_slip * across
 
 
-@inner
+@borrowing
 def _own_ends(V: Array, slope: Array, grid: StripGrid, i: int, basis: StripBasis, rolls: bool, A: Array) -> None:
     """Add the derivatives by the ends of the displaced strip: boundaries move and lengths change.
 
@@ -322,7 +322,7 @@ def operator(
     return inside, A, V
 
 
-@inner
+@borrowing
 def _store_operator(
     tables: PairTables,
     grid: StripGrid,
@@ -367,7 +367,7 @@ def slips_and_moments(V: Array, grid: StripGrid, basis: StripBasis) -> tuple[Arr
     return slips, moments
 
 
-@inner
+@borrowing
 def _store_slips(V: Array, grid: StripGrid, basis: StripBasis, slips: Array, moments: Array) -> None:
     """Fill `slips_and_moments`, which are zero."""
     S, M = len(V), len(basis.marks) - 1

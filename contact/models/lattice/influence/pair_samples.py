@@ -27,7 +27,7 @@ from wheelrail.contact.models.lattice.influence.pair_grid import (
     lobatto,
 )
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 NODES = lobatto(DEGREE + 1)
 INTEGRALS = (NODES[:, None] ** np.arange(1, DEGREE + 2) / np.arange(1, DEGREE + 2)) @ TO_POWERS  # from 0 to the nodes
@@ -78,7 +78,7 @@ class Deviation(NamedTuple):
     share: Array
 
 
-@inner
+@borrowing
 def start_of(strips: LatticeStrips, i: int, j: int) -> float:
     """Length m of the first octave of cells of a pair."""
     sides = strips.sides
@@ -89,13 +89,13 @@ def start_of(strips: LatticeStrips, i: int, j: int) -> float:
     return float(max(NEAR[1] * width, NEAR[2] * (distance - width)))
 
 
-@inner
+@borrowing
 def count_of(start: float) -> int:
     """Number of cells up to `REACH`."""
     return int(np.ceil(np.log2(1.0 + REACH / start))) * CELLS
 
 
-@inner
+@borrowing
 def _rotate(near: Array, cosine: float, sine: float, to: Array) -> None:
     """Components (COMPONENTS,) of a half-space in the axes of two strips.
 
@@ -117,7 +117,7 @@ def _rotate(near: Array, cosine: float, sine: float, to: Array) -> None:
     to[XN] = near[4] * cosine - near[3] * sine
 
 
-@inner
+@borrowing
 def _at(coefficients: Array, x: float, to: Array) -> None:
     """Values (COMPONENTS,) of a deviation at x >= 0 m."""
     z = x / START + 1.0

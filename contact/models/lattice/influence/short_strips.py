@@ -13,12 +13,12 @@ from wheelrail.contact.models.lattice.influence.operator import StripGrid, look_
 from wheelrail.contact.models.lattice.influence.pair_grid import NN
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 NEAR = 1.0, 2.0  # longest cell over the distance: up to there the steps have decayed, from there on all of it counts
 
 
-@inner
+@borrowing
 def share(length: float, loaded: float, distance: float, basis: StripBasis) -> tuple[float, float, float]:
     """Share from 0 to 1 of the split cells in the displacement of a strip, 0 if it is as long as the loaded one, and
     its derivatives 1/m by both lengths.
@@ -56,7 +56,7 @@ def split_jumps(values: Array, width: Array, basis: StripBasis, rolls: bool) -> 
     return jumps
 
 
-@inner
+@borrowing
 def split_table(
     tables: PairTables, displaced: int, loaded: int, rows: Array, columns: Array, G: Array, H: Array | None
 ) -> bool:
@@ -71,7 +71,7 @@ def split_table(
     return inside
 
 
-@inner
+@borrowing
 def store_boundaries(grid: StripGrid, j: int, basis: StripBasis, edges: Array) -> None:
     """Fill boundaries (N + 1,) m of the split cells of a strip."""
     for c in range(len(edges)):
@@ -87,7 +87,7 @@ def add_short_strips(tables: PairTables, grid: StripGrid, jumps: Array, basis: S
     return _add_short(tables, grid, jumps, basis, np.empty((M + 1, N, 8)), np.empty(N), V)
 
 
-@inner
+@borrowing
 def _add_short(
     tables: PairTables, grid: StripGrid, jumps: Array, basis: StripBasis, G: Array, columns: Array, V: Array
 ) -> bool:
@@ -121,7 +121,7 @@ def add_short_strips_derivative(
     return _add_short_derivative(tables, grid, jumps, basis, rolls, *work, A, V)
 
 
-@inner
+@borrowing
 def _add_short_derivative(
     tables: PairTables,
     grid: StripGrid,

@@ -18,7 +18,7 @@ from wheelrail.contact.models.lattice.influence.basis import MOMENTS
 from wheelrail.contact.models.lattice.system.equations import Linearisation
 from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.support.arrays import Array, Single
-from wheelrail.support.compiled import call, compiled, inner
+from wheelrail.support.compiled import borrowing, call, compiled
 
 Integers = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
@@ -170,14 +170,14 @@ def back_substitute(factors: Factors, solver: Lapack, right: Single) -> None:
     _solve(solver.sgetrs, factors.lu, factors.pivots, right, sizes, np.array([84], dtype=np.uint8))
 
 
-@inner
+@borrowing
 def _factorise(function: int, lu: Single, pivots: Integers, sizes: Integers) -> None:
     """Factorise in place; as parameters of a function, the arrays outlive the call."""
     at = sizes.ctypes.data
     call(function, (at, at + 4, lu.ctypes.data, at + 8, pivots.ctypes.data, at + 12))
 
 
-@inner
+@borrowing
 def _solve(function: int, lu: Single, pivots: Integers, right: Single, sizes: Integers, transposed: Bytes) -> None:
     """Solve in place; as parameters of a function, the arrays outlive the call."""
     at = sizes.ctypes.data

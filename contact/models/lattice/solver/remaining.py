@@ -13,7 +13,7 @@ from wheelrail.contact.models.lattice.influence.short_strips import split_jumps
 from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.system.surface import GAUSS, ContactLines, penetration
 from wheelrail.support.arrays import Array, Mask, Nodes
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 RANGE = 1.2  # half length of the probed range over that of the next loaded strip
 NARROWINGS = 6  # of the range around a maximum, to a third of it each
@@ -96,7 +96,7 @@ def excess(
     return inside, total
 
 
-@inner
+@borrowing
 def _maximum(values: Array, low: float, high: float) -> tuple[float, float, float]:
     """Maximum, its place and the curvature of the parabola with the largest of means (C,) over cells and the next ones:
     at the middle of a cell it is higher than its mean by a third of what it falls within half a cell.
@@ -196,7 +196,7 @@ def search(
         known |= further
 
 
-@inner
+@borrowing
 def _paired(tables: PairTables, loaded: Nodes, free: Nodes) -> bool:
     """Whether there are tables for all pairs of a loaded strip and a free one."""
     for i in loaded:

@@ -25,7 +25,7 @@ from wheelrail.contact.models.lattice.system.surface import (
     rigid_shift,
 )
 from wheelrail.support.arrays import Array, Nodes, Single
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 
 class StripPlaces(NamedTuple):
@@ -327,7 +327,7 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Arr
     return Evaluation(inside and evaluation.inside, *evaluation[1:]), A, rho
 
 
-@inner
+@borrowing
 def friction_rows(A: Array, D: Array, mean: Array) -> None:
     """Replace the slip rows of an operator by those of the friction residual, in place.
 

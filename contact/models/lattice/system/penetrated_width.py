@@ -17,7 +17,7 @@ from scipy.special import roots_legendre
 
 from wheelrail.contact.models.lattice.system.surface import SurfaceData, crests, penetration_changes
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 SAMPLES = 4  # in a strip, between which maxima of the penetration are sought
 ROOT_STEPS, ROOT_ERROR = 60, 1e-12  # m
@@ -27,7 +27,7 @@ NODES, WEIGHTS = (np.ascontiguousarray(part) for part in roots_legendre(16))
 SHIFT = 1e-8  # m, of lines to both sides, for slopes along the profile
 
 
-@inner
+@borrowing
 def strips_across(depth: Array) -> float:
     """Number of strips across by their mean penetrations (K,) m, for contacts that are wide: that of a parabola of more
     than three strips is at most 3 % too large. Saddles are taken to lie lower than the means.
@@ -55,7 +55,7 @@ def _depth(surface: SurfaceData, origin: Array, rotation: Array, s: float) -> fl
     return float(crests(surface, origin, rotation, np.array([s]))[0].depth[0])
 
 
-@inner
+@compiled
 def _edge(surface: SurfaceData, origin: Array, rotation: Array, inside: float, outside: float) -> float:
     """Bound m of a region of penetration between a line in it and one beside it, by the Illinois method."""
     f, g = _depth(surface, origin, rotation, inside), _depth(surface, origin, rotation, outside)
@@ -80,7 +80,7 @@ def _edge(surface: SurfaceData, origin: Array, rotation: Array, inside: float, o
     return inside
 
 
-@inner
+@compiled
 def _extremum(surface: SurfaceData, origin: Array, rotation: Array, s: float, span: float, sign: float) -> float:
     """Place m of a maximum (sign 1) or minimum (-1) of the penetration near a line s m, by parabolas over a span m."""
     for _ in range(PARABOLAS):

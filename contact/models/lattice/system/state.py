@@ -8,7 +8,7 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.support.arrays import Array, Mask, Nodes
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 SHORTEST = 0.02  # of the squared half length: the least that remains of it after one step
 LARGE = 0.5  # step after which a negative load or squared length is no reason to leave
@@ -86,7 +86,7 @@ def moved(values: Array, step: Array, factor: float) -> Array:
     return new
 
 
-@inner
+@borrowing
 def relative_size(values: Array, step: Array) -> tuple[float, float]:
     """Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length.
 
@@ -127,7 +127,7 @@ def leaving(values: Array, step: Array, size: float) -> Mask:
     return leaves
 
 
-@inner
+@borrowing
 def longest(values: Array, step: Array) -> float:
     """Largest fraction of a step at which no strip moves by more than its length or grows too much."""
     S, last = len(values), values.shape[1] - 1

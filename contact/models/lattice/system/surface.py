@@ -12,7 +12,7 @@ from wheelrail.contact.geometry.wheel_surface import Place, on_circle, write_fra
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.compiled import compiled, inner
+from wheelrail.support.compiled import borrowing, compiled
 
 CREST_STEPS = 12
 CREST_ERROR = 1e-10  # m
@@ -123,7 +123,7 @@ def _field(body: Twist) -> tuple[Array, Array, Array]:
     return velocity, rotation, reference
 
 
-@inner
+@borrowing
 def project(rail: Shape, point: Place, normal: Place, sample: int) -> Projection:
     """Projection of a point with an outward normal; sample: that nearest to a neighbour, -1 without one.
 
@@ -140,7 +140,7 @@ def project(rail: Shape, point: Place, normal: Place, sample: int) -> Projection
     return Projection(depth, at, sample, point, normal, gradient, away, moves)
 
 
-@inner
+@borrowing
 def _turned(at: Projection, origin: Array) -> Place:
     """Derivative of the penetration by rotation of the wheel about the axes of space through its origin."""
     rx, ry, rz = at.point[0] - origin[0], at.point[1] - origin[1], at.point[2] - origin[2]
@@ -162,7 +162,7 @@ def penetration(surface: SurfaceData, origin: Array, rotation: Array, s: Array, 
     return result
 
 
-@inner
+@borrowing
 def _store_penetration(
     surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, result: Penetration
 ) -> None:
@@ -197,7 +197,7 @@ def penetration_changes(surface: SurfaceData, origin: Array, rotation: Array, s:
     return result
 
 
-@inner
+@borrowing
 def _store_changes(
     surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, result: PenetrationChanges
 ) -> None:
@@ -240,7 +240,7 @@ def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tu
     return penetration(surface, origin, rotation, s, x), x, bend
 
 
-@inner
+@borrowing
 def _store_crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, bend: Array) -> None:
     """Fill places and curvatures of `crests` of a wheel; the places are zero."""
     wheel, radius = surface.wheel, surface.radius
@@ -252,7 +252,7 @@ def _store_crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array
         bend[i] = max(r * t.real, 0.05 * r) / (radius * radius)
 
 
-@inner
+@borrowing
 def _crest(surface: SurfaceData, origin: Array, rotation: Array, s: float, x: float) -> float:
     """Place m along x of the largest penetration on a line s m of a wheel, by Newton's method from x m.
 
@@ -336,7 +336,7 @@ def frames(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Ar
     return places
 
 
-@inner
+@borrowing
 def _store_frames(
     surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, places: SurfaceFrames
 ) -> None:
@@ -362,7 +362,7 @@ def _store_frames(
             axes[i, 0, 0], axes[i, 1, 1], axes[i, 2, 2], forward[i, 0] = 1.0, 1.0, -1.0, 1.0
 
 
-@inner
+@borrowing
 def _cross(a: Array, b: Array, c: int) -> float:
     """Component c of a cross product."""
     first, second = (c + 1) % 3, (c + 2) % 3
@@ -385,7 +385,7 @@ def rigid_shift(places: SurfaceFrames, level: Array, motion: Motion) -> tuple[Ar
     return shift, slope, flow
 
 
-@inner
+@borrowing
 def _store_shift(
     places: SurfaceFrames, level: Array, motion: Motion, arms: Array, shift: Array, slope: Array, flow: Array
 ) -> None:
