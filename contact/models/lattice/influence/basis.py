@@ -21,7 +21,7 @@ MODES = 4  # of pressure; with three, the gap left on a strip 30 times as long a
 MOMENTS = MODES + 2
 STATIONS = 6  # along a strip, at which the penetration is evaluated: it is nearly a parabola
 ORDER = 16  # of the Gauss rules below
-SPLIT = 4  # parts of a cell whose pressure displaces short strips
+SPLIT = 8  # parts of a cell whose pressure displaces short strips
 
 
 Tangential = Literal["none", "rolling", "shift"]  # problem: none, steady rolling, one step of displacement from none
