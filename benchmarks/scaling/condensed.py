@@ -50,7 +50,7 @@ def solves(*, points: Points, bodies: Bodies, wanted: int, tasks: list[str]) -> 
     loaded = max(4, round(np.sqrt(wanted / ALONG)))
     choices: dict[str, Any] = {}
     if points != "grid":
-        choices = {"strips": round(loaded / LOADED), "cells": max(5, round(wanted / loaded))}
+        choices = {"strips": round(loaded / LOADED), "cells": max(6, round(wanted / loaded))}
     laws = frictional(curve["mu"])  # with room upstream
     model = hertz_model(pair, laws, size, bodies=bodies, points=points, **choices)
     assert isinstance(model, CondensedContact | LatticeContact)

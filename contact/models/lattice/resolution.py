@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-LEAST_STRIPS, LEAST_CELLS = 4, 5
+LEAST_STRIPS, LEAST_CELLS = 4, 6
 
 
 @dataclass(frozen=True)
 class LatticeResolution:
     """Strips over the width of a usual patch, and cells along a strip.
 
-    Raises ValueError for fewer than 4 strips, or fewer than 5 cells: as many as there are moments of the gap.
+    Raises ValueError for fewer than 4 strips, or fewer than 6 cells: as many as there are moments of the gap.
     """
 
     strips: int = 14

@@ -22,7 +22,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
-from wheelrail.contact.models.lattice.influence.basis import strip_basis
+from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS, strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver import newton
@@ -94,8 +94,8 @@ def test_modes_vanish_at_the_ends_and_carry_their_load() -> None:
     basis = strip_basis(10, "rolling")
     length = 2 * np.diff(basis.marks)
     for values in (basis.mean, basis.loads):
-        np.testing.assert_allclose(length @ values, [0.5 * np.pi, 0.0, 0.0], atol=1e-12)
-    np.testing.assert_allclose(basis.moments.sum(axis=1), [1, 0, 0, 0, 0], atol=1e-12)
+        np.testing.assert_allclose(length @ values, np.pi / 2 * np.eye(MODES)[0], atol=1e-12)
+    np.testing.assert_allclose(basis.moments.sum(axis=1), np.eye(MOMENTS)[0], atol=1e-12)
     middle = 0.5 * (basis.row_marks[1:] + basis.row_marks[:-1])
     antiderivative = np.concatenate([[0.0], np.cumsum(middle**2 * np.diff(basis.row_marks))])
     slip = [weight @ antiderivative[k : k + 4] for k, weight in enumerate(basis.slip_edges)]
@@ -332,7 +332,7 @@ def test_memory_and_time_are_told_before_or_refused(
     assert not caplog.messages
     contact._check_size(64)
     (message,) = caplog.messages
-    assert message.startswith("64 strips, 64 cells along each: 8512 unknowns: 1.2 GB, about ")
+    assert message.startswith("64 strips, 64 cells along each: 8576 unknowns: 1.2 GB, about ")
     monkeypatch.setattr("os.sysconf", lambda name: 1)  # a machine of one byte
     with pytest.raises(TooLarge, match="strips, 64 cells along each"):
         contact(hertz_pose(exact().approach), flowing(1e-3), None)

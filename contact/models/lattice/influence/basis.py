@@ -17,11 +17,11 @@ from wheelrail.contact.geometry.strip_layout import marks
 from wheelrail.contact.models.lattice.influence.slip_difference import AHEAD, upstream
 from wheelrail.support.arrays import Array
 
-MODES = 3  # as `vectors.products` takes; two are within 5e-5 of six in the force of frictionless contacts
+MODES = 4  # of pressure; with three, the gap left on a strip 30 times as long as wide gives its neighbour two places
 MOMENTS = MODES + 2
 STATIONS = 6  # along a strip, at which the penetration is evaluated: it is nearly a parabola
 ORDER = 16  # of the Gauss rules below
-SPLIT = 4  # parts of a cell whose pressure displaces short strips
+SPLIT = 8  # parts of a cell whose pressure displaces short strips
 
 
 Tangential = Literal["none", "rolling", "shift"]  # problem: none, steady rolling, one step of displacement from none
@@ -35,7 +35,7 @@ class StripBasis(NamedTuple):
         row_marks: (M + 3,) the same with two more cells ahead, for the upstream difference of the slip.
         mean: (M, MODES) mean of the pressure modes over the cells.
         loads: (M, MODES) the same corrected for the variation within the cells, to compute displacements.
-        load_edges: (M + 1, MODES) their jumps at the marks.
+        load_edges: (MODES, M + 1) their jumps at the marks.
         moments: (MOMENTS, M) weights of cell means in the moments of the gap.
         moment_edges: (MOMENTS, M + 1) weights of an antiderivative at the marks in the moments of a displacement, times
             the length of the strip.
@@ -96,16 +96,16 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     here = np.outer([1.0, 0.0, 0.0], np.ones(len(edges) - 1))
     difference = here if shifts else np.stack(upstream(middle[None]))[:, 0]
     fixed, loads = np.ascontiguousarray, _loads(edges, mean)  # loops take addresses
-    load_edges = np.diff(loads, axis=0, prepend=0.0, append=0.0)
+    load_edges = _jumps(loads)
     split = np.append((edges[:-1, None] + np.diff(edges)[:, None] * np.arange(SPLIT) / SPLIT).ravel(), 1.0)
-    split_edges = np.diff(_loads(split, _mode_means(split)), axis=0, prepend=0.0, append=0.0)
+    split_edges = _jumps(_loads(split, _mode_means(split)))
     split_edges[::SPLIT] -= load_edges
     return StripBasis(
         edges,
         row_marks,
         fixed(mean),
         fixed(loads),
-        load_edges,
+        fixed(load_edges.T),
         fixed(moments),
         fixed(_edge_weights(moments / np.diff(edges))),
         fixed(_slip_edges(difference, np.diff(row_marks))),
@@ -146,6 +146,11 @@ def _loads(edges: Array, mean: Array) -> Array:
     flux = (length[1:] * length[:-1])[:, None] / 12 * slope
     zero = np.zeros((1, MODES))
     return np.asarray(mean - np.diff(np.vstack([zero, flux, zero]), axis=0) / length[:, None])
+
+
+def _jumps(loads: Array) -> Array:
+    """Jumps (M + 1, MODES) at the boundaries of cells with loads (M, MODES)."""
+    return np.diff(loads, axis=0, prepend=0.0, append=0.0)
 
 
 def _edge_weights(cells: Array) -> Array:

@@ -165,7 +165,8 @@ class WorkSpace(NamedTuple):
     Parameters:
         G, H: (R, R, 8), table values of a pair and their slopes.
         edges: (M + 1, 8) weighted table values at the cell boundaries of the loaded strip.
-        sums: (3, 8).
+        mode: (8,) the same, weighted by the jumps of the load of a pressure mode.
+        sums: (3, 8) table values times loads along, across and normal.
         jumps: (M + 1, 3) N/m, times the change of the boundaries by one end.
         end: (R, 3) antiderivative by that end.
     """
@@ -173,6 +174,7 @@ class WorkSpace(NamedTuple):
     G: Array
     H: Array
     edges: Array
+    mode: Array
     sums: Array
     jumps: Array
     end: Array
@@ -192,16 +194,16 @@ def _add_loads(
     M, moments, modes, wide = len(basis.marks) - 1, len(basis.moment_edges), basis.mean.shape[1], G.shape[1]
     row, column = (VECTOR * wide, VECTOR) if turn > 0.0 else (VECTOR, VECTOR * wide)
     at = 2 * M if rolls else 0
-    start, edges, e, s = G.ctypes.data, work.edges.ctypes.data, work.edges, work.sums
-    loads, sums = basis.load_edges.ctypes.data, work.sums.ctypes.data
+    start, edges, e, s = G.ctypes.data, work.edges.ctypes.data, work.edges, work.mode
+    loads, sums = basis.load_edges.ctypes.data, work.mode.ctypes.data
     moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
     factor = width / length
     for k in range(moments):
         for c in range(M + 1):
             weighted(start + c * column, row, moment + 8 * k * (M + 1), M + 1, edges + VECTOR * c)
-        products(edges, VECTOR, loads, M + 1, sums)
         for m in range(modes):  # pressure acts against the outward normal
-            A[at + k, at + m] -= factor * s[m, NN]
+            weighted(edges, VECTOR, loads + 8 * m * (M + 1), M + 1, sums)
+            A[at + k, at + m] -= factor * s[NN]
         for c in range(M if rolls else 0):
             A[at + k, c] -= factor * turn * (e[c, XN] - e[c + 1, XN])
             A[at + k, M + c] += factor * (e[c, TN] - e[c + 1, TN] - turn * (e[c, TN_TURN] - e[c + 1, TN_TURN]))
@@ -211,10 +213,10 @@ def _add_loads(
     for r in range(M):
         for c in range(M + 1):
             weighted(start + r * row + c * column, row, slip + 32 * r, 4, edges + VECTOR * c)
-        products(edges, VECTOR, loads, M + 1, sums)
         for m in range(modes):
-            A[r, at + m] -= factor * turn * (s[m, XN] + s[m, ROLL])
-            A[M + r, at + m] -= factor * (s[m, TN] + turn * s[m, TN_TURN])
+            weighted(edges, VECTOR, loads + 8 * m * (M + 1), M + 1, sums)
+            A[r, at + m] -= factor * turn * (s[XN] + s[ROLL])
+            A[M + r, at + m] -= factor * (s[TN] + turn * s[TN_TURN])
         for c in range(M):
             both = factor * (e[c, XT] - e[c + 1, XT])
             A[r, c] += factor * (e[c, XX] - e[c + 1, XX])
@@ -317,7 +319,8 @@ def operator(
     A = np.zeros((S * block, S * block))
     V, slopes = np.zeros((S, R, 3)), np.zeros((S, R, 3))
     tables_at = np.empty((R, R, 8)), np.empty((R, R, 8))
-    work = WorkSpace(*tables_at, np.empty((M + 1, 8)), np.empty((3, 8)), np.empty((M + 1, 3)), np.empty((R, 3)))
+    edges, ends = (np.empty((M + 1, 8)), np.empty(8)), (np.empty((M + 1, 3)), np.empty((R, 3)))
+    work = WorkSpace(*tables_at, *edges, np.empty((3, 8)), *ends)
     inside = _store_operator(tables, grid, jumps, basis, rolls, work, A, V, slopes)
     return inside, A, V
 
