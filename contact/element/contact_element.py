@@ -61,15 +61,15 @@ class ContactElement(Generic[S, K]):
         A breakdown of the solver and a force that is not finite are failed results.
         """
         guesses = {side: [start.get(side) if start else None for start in starts] for side in self.sides}
-        if self.contact.together:
-            for side in self.sides:
+        if not self.contact.together:
+            for state, guess in zip(states, guesses[self.sides[-1]], strict=True):
+                self.contact.ahead(state, guess)
+        for side in self.sides:  # all states: what was announced runs in parallel
+            if self.contact.together:
                 results = self._solve_side(states, side, guesses[side])
                 yield from ((i, side, result) for i, result in enumerate(results))
-            return
-        for state, guess in zip(states, guesses[self.sides[-1]], strict=True):
-            self.contact.ahead(state, guess)
-        for i, state in enumerate(states):
-            for side in self.sides:
+                continue
+            for i, state in enumerate(states):
                 yield i, side, self._solve_side([state], side, [guesses[side][i]])[0]
 
     def solve_sides(self, state: S, start: Mapping[K, ContactResult] | None) -> Iterator[tuple[K, ContactResult]]:
@@ -94,16 +94,11 @@ class ContactElement(Generic[S, K]):
 
         Raises ValueError for a model or a result without tangent.
         """
-        if self.contact.together:
-            by_side = [self.contact.side_tangents(states, side, [own[side] for own in results]) for side in self.sides]
-            return np.stack(by_side, axis=1)
-        for state, own in zip(states, results, strict=True):
-            self.contact.ahead_tangent(state, own[self.sides[-1]])
-        by_state = [
-            [self.contact.side_tangents([state], side, [own[side]])[0] for side in self.sides]
-            for state, own in zip(states, results, strict=True)
-        ]
-        return np.array(by_state)
+        if not self.contact.together:
+            for state, own in zip(states, results, strict=True):
+                self.contact.ahead_tangent(state, own[self.sides[-1]])
+        by_side = [self.contact.side_tangents(states, side, [own[side] for own in results]) for side in self.sides]
+        return np.stack(by_side, axis=1)
 
     def solve_state(self, state: S) -> ElementSolution[S, K]:
         """Solution of a trial state, from the last accepted results."""
