@@ -35,10 +35,11 @@ class StripBasis(NamedTuple):
         row_marks: (M + 3,) the same with two more cells ahead, for the upstream difference of the slip.
         mean: (M, MODES) mean of the pressure modes over the cells.
         loads: (M, MODES) the same corrected for the variation within the cells, to compute displacements.
-        load_edges: (MODES, M + 1) their jumps at the marks.
+        load_edges: (M + 1, MODES) their jumps at the marks.
         moments: (MOMENTS, M) weights of cell means in the moments of the gap.
         moment_edges: (MOMENTS, M + 1) weights of an antiderivative at the marks in the moments of a displacement, times
             the length of the strip.
+        edge_moments: (M + 1, MOMENTS) the same.
         slip_edges: (M, 4) weights of an antiderivative at a cell's first boundary and the next three in its slip, times
             a power of the length: the upstream difference of second order, or the mean for a tangential displacement.
         slip_power: this power, 2 or 1.
@@ -57,6 +58,7 @@ class StripBasis(NamedTuple):
     load_edges: Array
     moments: Array
     moment_edges: Array
+    edge_moments: Array
     slip_edges: Array
     slip_power: int
     stations: Array
@@ -100,14 +102,16 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     split = np.append((edges[:-1, None] + np.diff(edges)[:, None] * np.arange(SPLIT) / SPLIT).ravel(), 1.0)
     split_edges = _jumps(_loads(split, _mode_means(split)))
     split_edges[::SPLIT] -= load_edges
+    moment_edges = fixed(_edge_weights(moments / np.diff(edges)))
     return StripBasis(
         edges,
         row_marks,
         fixed(mean),
         fixed(loads),
-        fixed(load_edges.T),
+        fixed(load_edges),
         fixed(moments),
-        fixed(_edge_weights(moments / np.diff(edges))),
+        moment_edges,
+        fixed(moment_edges.T),
         fixed(_slip_edges(difference, np.diff(row_marks))),
         1 if shifts else 2,
         stations,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
-from wheelrail.contact.models.lattice.influence.operator import VECTOR, StripGrid, look_up
+from wheelrail.contact.models.lattice.influence.operator import THREE, VECTOR, StripGrid, look_up
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.short_strips import share, split_table, store_boundaries
@@ -125,7 +125,7 @@ def _store_displacements(
                 return False
             start, loads, out, before = G.ctypes.data, jumps[j].ctypes.data, sums.ctypes.data, 0.0
             for r in range(C + 1):
-                products(start + VECTOR * r * (M + 1), VECTOR, loads, M + 1, out)
+                products(start + VECTOR * r * (M + 1), VECTOR, loads, M + 1, out, VECTOR, THREE)
                 total = sums[2, NN] + sums[1, TN] - turn * (sums[0, XN] + sums[1, TN_TURN])
                 if r > 0:
                     displacement[i, r - 1] += (total - before) / (edges[i, r] - edges[i, r - 1])

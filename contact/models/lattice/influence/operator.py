@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS, StripBasis
 from wheelrail.contact.models.lattice.influence.body_correction import START as SMOOTH_START
 from wheelrail.contact.models.lattice.influence.body_correction import pair_row
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
@@ -21,7 +21,6 @@ from wheelrail.contact.models.lattice.influence.vectors import (
     double,
     polynomials,
     products,
-    weighted,
 )
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import borrowing, compiled
@@ -29,6 +28,7 @@ from wheelrail.support.compiled import borrowing, compiled
 SHIFT = 49  # bits of a double below the three leading ones of its fraction: eight cells an octave
 BIAS = 1023 << 3
 VECTOR, BLOCK = 64, 384  # bytes of a vector, and of the coefficients of a table's cell
+ONE, THREE, ALL_MODES, ALL_MOMENTS = (0,), (0,) * 3, (0,) * MODES, (0,) * MOMENTS  # numbers of sums of `products`
 
 
 class StripGrid(NamedTuple):
@@ -128,9 +128,9 @@ def _antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Arra
     loads, out = jumps.ctypes.data, sums.ctypes.data
     for r in range(len(V)):
         if turn > 0.0:
-            products(start + VECTOR * r * wide, VECTOR, loads, count, out)
+            products(start + VECTOR * r * wide, VECTOR, loads, count, out, VECTOR, THREE)
         else:
-            products(start + VECTOR * r, VECTOR * wide, loads, count, out)
+            products(start + VECTOR * r, VECTOR * wide, loads, count, out, VECTOR, THREE)
         along, across, normal = _displaced(sums, turn)
         V[r, 0] += sign * along
         V[r, 1] += sign * across
@@ -164,8 +164,8 @@ class WorkSpace(NamedTuple):
 
     Parameters:
         G, H: (R, R, 8), table values of a pair and their slopes.
-        edges: (M + 1, 8) weighted table values at the cell boundaries of the loaded strip.
-        mode: (8,) the same, weighted by the jumps of the load of a pressure mode.
+        edges: (MOMENTS, M + 1, 8) weighted table values at the cell boundaries of the loaded strip.
+        modes: (MODES, 8) the same, weighted by the jumps of the loads of the pressure modes.
         sums: (3, 8) table values times loads along, across and normal.
         jumps: (M + 1, 3) N/m, times the change of the boundaries by one end.
         end: (R, 3) antiderivative by that end.
@@ -174,7 +174,7 @@ class WorkSpace(NamedTuple):
     G: Array
     H: Array
     edges: Array
-    mode: Array
+    modes: Array
     sums: Array
     jumps: Array
     end: Array
@@ -191,32 +191,34 @@ def _add_loads(
         width, length: m, of the loaded and of the displaced strip.
         A: block of the strips.
     """
-    M, moments, modes, wide = len(basis.marks) - 1, len(basis.moment_edges), basis.mean.shape[1], G.shape[1]
+    M, wide = len(basis.marks) - 1, G.shape[1]
     row, column = (VECTOR * wide, VECTOR) if turn > 0.0 else (VECTOR, VECTOR * wide)
-    at = 2 * M if rolls else 0
-    start, edges, e, s = G.ctypes.data, work.edges.ctypes.data, work.edges, work.mode
-    loads, sums = basis.load_edges.ctypes.data, work.mode.ctypes.data
-    moment, slip = basis.moment_edges.ctypes.data, basis.slip_edges.ctypes.data
+    at, line = 2 * M if rolls else 0, VECTOR * (M + 1)
+    start, edges, s = G.ctypes.data, work.edges.ctypes.data, work.modes
+    loads, sums = basis.load_edges.ctypes.data, work.modes.ctypes.data
+    moment, slip = basis.edge_moments.ctypes.data, basis.slip_edges.ctypes.data
     factor = width / length
-    for k in range(moments):
-        for c in range(M + 1):
-            weighted(start + c * column, row, moment + 8 * k * (M + 1), M + 1, edges + VECTOR * c)
-        for m in range(modes):  # pressure acts against the outward normal
-            weighted(edges, VECTOR, loads + 8 * m * (M + 1), M + 1, sums)
-            A[at + k, at + m] -= factor * s[NN]
+    for c in range(M + 1):
+        products(start + c * column, row, moment, M + 1, edges + VECTOR * c, line, ALL_MOMENTS)
+    for k in range(MOMENTS):
+        products(edges + k * line, VECTOR, loads, M + 1, sums, VECTOR, ALL_MODES)
+        for m in range(MODES):  # pressure acts against the outward normal
+            A[at + k, at + m] -= factor * s[m, NN]
+        e = work.edges[k]
         for c in range(M if rolls else 0):
             A[at + k, c] -= factor * turn * (e[c, XN] - e[c + 1, XN])
             A[at + k, M + c] += factor * (e[c, TN] - e[c + 1, TN] - turn * (e[c, TN_TURN] - e[c + 1, TN_TURN]))
     if not rolls:
         return
     factor = width / length**basis.slip_power
+    e = work.edges[0]
     for r in range(M):
         for c in range(M + 1):
-            weighted(start + r * row + c * column, row, slip + 32 * r, 4, edges + VECTOR * c)
-        for m in range(modes):
-            weighted(edges, VECTOR, loads + 8 * m * (M + 1), M + 1, sums)
-            A[r, at + m] -= factor * turn * (s[XN] + s[ROLL])
-            A[M + r, at + m] -= factor * (s[TN] + turn * s[TN_TURN])
+            products(start + r * row + c * column, row, slip + 32 * r, 4, edges + VECTOR * c, VECTOR, ONE)
+        products(edges, VECTOR, loads, M + 1, sums, VECTOR, ALL_MODES)
+        for m in range(MODES):
+            A[r, at + m] -= factor * turn * (s[m, XN] + s[m, ROLL])
+            A[M + r, at + m] -= factor * (s[m, TN] + turn * s[m, TN_TURN])
         for c in range(M):
             both = factor * (e[c, XT] - e[c + 1, XT])
             A[r, c] += factor * (e[c, XX] - e[c + 1, XX])
@@ -319,7 +321,7 @@ def operator(
     A = np.zeros((S * block, S * block))
     V, slopes = np.zeros((S, R, 3)), np.zeros((S, R, 3))
     tables_at = np.empty((R, R, 8)), np.empty((R, R, 8))
-    edges, ends = (np.empty((M + 1, 8)), np.empty(8)), (np.empty((M + 1, 3)), np.empty((R, 3)))
+    edges, ends = (np.empty((MOMENTS, M + 1, 8)), np.empty((MODES, 8))), (np.empty((M + 1, 3)), np.empty((R, 3)))
     work = WorkSpace(*tables_at, *edges, np.empty((3, 8)), *ends)
     inside = _store_operator(tables, grid, jumps, basis, rolls, work, A, V, slopes)
     return inside, A, V

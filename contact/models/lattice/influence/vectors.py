@@ -113,47 +113,32 @@ def polynomials(context: Any, parts: Any, sign: Any, values: Any, slopes: Any) -
 
 
 @intrinsic  # type: ignore[untyped-decorator]
-def products(context: Any, g: Any, stride: Any, loads: Any, count: Any, out: Any) -> Any:
-    """Write sums (3, 8) over count places of vectors at g, a stride of bytes apart, times each of loads (count, 3)."""
+def products(context: Any, g: Any, stride: Any, weights: Any, count: Any, out: Any, apart: Any, number: Any) -> Any:
+    """Write sums (8,) over count places of vectors at g, a stride of bytes apart, times each of weights (count, K).
+
+    Parameters:
+        out: address of the first sum.
+        apart: bytes from one sum to the next one.
+        number: constant tuple of length K. All sums stay in registers, and each vector is read once.
+    """
 
     def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
         ir = _ir()
-        g, stride, loads, count, out = arguments
-        fma, integer = _fma(builder), ir.IntType(64)
-        sums = [cgutils.alloca_once_value(builder, ir.Constant(_vector(), [0.0] * WIDTH)) for _ in range(3)]
-        for total in sums:
-            builder.store(ir.Constant(_vector(), [0.0] * WIDTH), total)
-        pointer = builder.inttoptr(loads, ir.DoubleType().as_pointer())
-        with cgutils.for_range(builder, count) as loop:
-            value = _load(builder, builder.add(g, builder.mul(loop.index, stride)))
-            for k, total in enumerate(sums):
-                place = builder.add(builder.mul(loop.index, ir.Constant(integer, 3)), ir.Constant(integer, k))
-                load = _splat(builder, builder.load(builder.gep(pointer, [place])))
-                builder.store(builder.call(fma, [value, load, builder.load(total)]), total)
-        for k, total in enumerate(sums):
-            _store(builder, builder.load(total), _offset(builder, out, BYTES * k))
-        return ctx.get_dummy_value()
-
-    return types.void(g, stride, loads, count, out), generate
-
-
-@intrinsic  # type: ignore[untyped-decorator]
-def weighted(context: Any, g: Any, stride: Any, weights: Any, count: Any, out: Any) -> Any:
-    """Write the sum (8,) over count places of vectors at g, a stride of bytes apart, times weights (count,)."""
-
-    def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
-        ir = _ir()
-        g, stride, weights, count, out = arguments
-        fma = _fma(builder)
+        g, stride, weights, count, out, apart, _ = arguments
+        fma, integer, K = _fma(builder), ir.IntType(64), len(number)
         zero = ir.Constant(_vector(), [0.0] * WIDTH)
-        total = cgutils.alloca_once(builder, _vector())
-        builder.store(zero, total)
+        sums = [cgutils.alloca_once_value(builder, zero) for _ in range(K)]
+        for total in sums:
+            builder.store(zero, total)
         pointer = builder.inttoptr(weights, ir.DoubleType().as_pointer())
         with cgutils.for_range(builder, count) as loop:
             value = _load(builder, builder.add(g, builder.mul(loop.index, stride)))
-            weight = _splat(builder, builder.load(builder.gep(pointer, [loop.index])))
-            builder.store(builder.call(fma, [value, weight, builder.load(total)]), total)
-        _store(builder, builder.load(total), out)
+            for k, total in enumerate(sums):
+                place = builder.add(builder.mul(loop.index, ir.Constant(integer, K)), ir.Constant(integer, k))
+                weight = _splat(builder, builder.load(builder.gep(pointer, [place])))
+                builder.store(builder.call(fma, [value, weight, builder.load(total)]), total)
+        for k, total in enumerate(sums):
+            _store(builder, builder.load(total), builder.add(out, builder.mul(apart, ir.Constant(integer, k))))
         return ctx.get_dummy_value()
 
-    return types.void(g, stride, weights, count, out), generate
+    return types.void(g, stride, weights, count, out, apart, number), generate
