@@ -234,7 +234,7 @@ def test_stress_and_error_estimate_on_demand(pressed: wr.Solution) -> None:
     )
     assert found.data["von_mises"].dims == ("side", "body", "patch", "depth")
     assert found.data["von_mises"].values == pytest.approx(0.6 * 1044e6, rel=0.1)  # Johnson: 0.6 p0, near 0.5 a deep
-    assert 0.0 < float(found.data["max_pressure_error"][0]) < 0.03 * 1044e6
+    assert 0.0 < float(found.data["max_pressure_error"][0]) < 0.04 * 1044e6  # from four strips
 
 
 def test_rolling_radii_of_cones() -> None:

@@ -334,8 +334,8 @@ def test_split_cells_displace_like_the_modes() -> None:
         assert split_table(tables, int(strips[0]), int(strips[1]), rows, length * edges, G, None)
         return np.asarray(np.diff(G[..., NN] @ jumps))
 
-    exact = displacement(fine.marks, fine.load_edges[0])
-    cells = displacement(basis.marks, basis.load_edges[0])
+    exact = displacement(fine.marks, fine.load_edges[:, 0])
+    cells = displacement(basis.marks, basis.load_edges[:, 0])
     split = cells + displacement(basis.split_marks, basis.split_edges[:, 0])
     assert np.abs(split - exact).max() < 0.1 * np.abs(cells - exact).max()
 
