@@ -31,6 +31,7 @@ from benchmarks.common.machine import machine_description
 from benchmarks.common.models import STEEL, PairTrack, wheelset_model
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.lattice.levels import LevelSolutions
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -123,7 +124,8 @@ class Sweep:
     def tangent_errors(self, y: float, state: WheelsetState, result: ContactResult) -> list[TangentError]:
         """Errors of the tangent near a state at y m along all coordinates. Raises Unsolved."""
         tangent, here = self.contact.tangent(state, "left", result), _wrench(result)
-        before, errors = _regime(result), []
+        laws = self.contact.model.laws
+        before, errors = _regime(result, laws), []
         rates = np.array([name.endswith("rate") for name in state.coordinates])
         for k, name in enumerate(state.coordinates):
             own = rates if rates[k] else ~rates
@@ -136,7 +138,7 @@ class Sweep:
                     for place, weight in zip([*(0.5 + 0.5 * PLACES), 1.0], [*(0.5 * WEIGHTS), 0.0], strict=True):
                         ahead = replace(state, **{name: getattr(state, name) + place * h})
                         found = self.solved(ahead, result)
-                        kinks = kinks or _regime(found) != before
+                        kinks = kinks or _regime(found, laws) != before
                         if weight:
                             mean += weight * self.contact.tangent(ahead, "left", found)[:, k]
                     off = np.abs((_wrench(found) - here) / h - mean)
@@ -164,11 +166,14 @@ class TangentError(NamedTuple):
     error: float
 
 
-def _regime(result: ContactResult) -> tuple[bytes, bytes]:
-    """Loaded strips and sticking cells: while they are the same, the force is smooth."""
-    assert isinstance(result.warm_start, LatticeSolution)
-    sticks = None if result.fields is None else result.fields.sticks
-    return result.warm_start.state.strips.tobytes(), b"" if sticks is None else sticks.tobytes()
+def _regime(result: ContactResult, laws: ContactLaws) -> tuple[tuple[bytes, ...], bytes]:
+    """Loaded strips of all levels and sticking cells: while they are the same, the force is smooth."""
+    start, fields = result.warm_start, result.fields
+    assert fields is not None
+    solutions = start.solutions if isinstance(start, LevelSolutions) else (start,)
+    loaded = tuple(one.state.strips.tobytes() for one in solutions if isinstance(one, LatticeSolution))
+    bound = laws.friction_bound(fields.pressure, np.hypot(*fields.slip.T), SPEED)
+    return loaded, (np.hypot(*fields.traction.T) < (1 - 1e-6) * bound).tobytes()
 
 
 def _wrench(result: ContactResult) -> Array:
