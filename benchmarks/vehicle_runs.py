@@ -1,6 +1,7 @@
 """Time and error of a vehicle in three dimensions: curve, hunting and irregular rails, standard and elastic contact.
 
-python -m benchmarks.vehicle_runs [--scene NAME ...] [--contact standard|elastic ...] [--seconds T] [--quick]
+python -m benchmarks.vehicle_runs [--scene NAME ...] [--contact standard|elastic ...] [--resolution 8x10 ...]
+                                  [--seconds T] [--quick]
 
 Wall time per simulated second of whole runs without reading, meshes, compilation and output rows; two processes solve
 the left and the right contacts of elastic wheels. Errors, RMS / maximum over all wheelsets and 10 ms of time each,
@@ -19,8 +20,8 @@ import numpy as np
 from rich.console import Console
 
 from benchmarks.common.machine import machine_description
+from benchmarks.common.models import lattice_resolution
 from benchmarks.paper.tables import markdown
-from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER
@@ -37,9 +38,9 @@ from wheelrail.vehicle.track.speed_profile import SpeedProfile
 SCENES = {"curve": "vehicle.toml", "hunting": "hunting.toml", "irregular": "vehicle_irregular.toml"}
 CONTACTS: dict[str, dict[str, object]] = {
     "standard": {"model": "standard"},
-    "elastic": {"model": "condensed", "laws": "exact", "surface_size": 1e-3, "strips": 8, "cells": 10},
+    "elastic": {"model": "condensed", "laws": "exact", "surface_size": 1e-3},
 }
-FINER = LatticeResolution(12, 16)
+USUAL, FINER = LatticeResolution(8, 10), LatticeResolution(12, 16)
 EVERY = 0.01  # s, between the rows that are compared
 HEAD = (
     "run|contact|processes|wall s per s|steps per s (rejected)|contact problems a side|part of contacts"
@@ -92,28 +93,39 @@ def difference(own: History, reference: History) -> list[str]:
     ]
 
 
-def row(name: str, kind: str, *, seconds: float | None, quick: bool, console: Console) -> list[str]:
+def with_resolution(contact: WheelsetContact, resolution: LatticeResolution) -> WheelsetContact:
+    """The contact on other strips and cells."""
+    return replace(contact, model=replace(contact.model, resolution=resolution))  # type: ignore[type-var]
+
+
+def row(
+    name: str, kind: str, resolution: LatticeResolution, *, seconds: float | None, quick: bool, console: Console
+) -> list[str]:
     """One line of the table.
 
     Parameters:
         name: of the scene.
         kind: of the contact.
+        resolution: of elastic contact.
         seconds: of the run; None: all of the scene.
         quick: whether errors are left out.
         console: for progress.
     """
     scene = loaded(name, kind)
-    contact, processes = wheelset_contact(scene), 2 if kind == "elastic" else 1
+    contact, processes, label = wheelset_contact(scene), 1, kind
+    if kind == "elastic":
+        contact, processes = with_resolution(contact, resolution), 2
+        label = f"elastic, {resolution.strips} x {resolution.cells}"
     end = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length)
-    with console.status(f"{name}, {kind}: machine code"):
+    with console.status(f"{name}, {label}: machine code"):
         timed(scene, contact, 1, 0.02)
-    with console.status(f"{name}, {kind}"):
+    with console.status(f"{name}, {label}"):
         run = timed(scene, contact, processes, end)
     history, cost = run.history, run.history.cost
     span = float(history.time[-1])
     line = [
         name if history.status == "completed" else f"{name}: {history.status}",
-        kind,
+        label,
         str(processes),
         f"{run.seconds / span:.3f}",
         f"{cost.steps.accepted / span:.0f} ({cost.steps.rejected / span:.0f})",
@@ -123,15 +135,15 @@ def row(name: str, kind: str, *, seconds: float | None, quick: bool, console: Co
     console.print(" ".join(line), markup=False)
     if quick:
         return [*line, "", "", "", ""]
-    with console.status(f"{name}, {kind}: rows"):
+    with console.status(f"{name}, {label}: rows"):
         own = timed(scene, contact, processes, end, rows=True).history
-    with console.status(f"{name}, {kind}: a tenth of the tolerances"):
+    with console.status(f"{name}, {label}: a tenth of the tolerances"):
         tight = timed(scene, contact, processes, end, tolerance=0.1, rows=True).history
     line += difference(own, tight)
-    if not isinstance(contact.model, LatticeContact):
+    if kind != "elastic":
         return [*line, "", ""]
-    fine = replace(contact, model=replace(contact.model, resolution=FINER))
-    with console.status(f"{name}, {kind}: finer cells"):
+    fine = with_resolution(contact, FINER)
+    with console.status(f"{name}, {label}: finer cells"):
         finer = timed(scene, fine, processes, end, rows=True).history
     return line + difference(own, finer)
 
@@ -140,14 +152,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scene", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--contact", nargs="+", choices=CONTACTS, default=list(CONTACTS))
+    parser.add_argument("--resolution", type=lattice_resolution, nargs="+", default=[USUAL], metavar="STRIPSxCELLS")
     parser.add_argument("--seconds", type=float, default=None, help="length of the runs; default: all of the scenes")
     parser.add_argument("--quick", action="store_true", help="times only, without errors")
     arguments = parser.parse_args()
     console = Console(stderr=True)
     lines = [
-        row(name, kind, seconds=arguments.seconds, quick=arguments.quick, console=console)
+        row(name, kind, resolution, seconds=arguments.seconds, quick=arguments.quick, console=console)
         for kind in arguments.contact
         for name in arguments.scene
+        for resolution in (arguments.resolution if kind == "elastic" else [USUAL])
     ]
     print(machine_description(), "\n")
     print(markdown(HEAD, lines))

@@ -17,6 +17,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.library import load_profile
@@ -25,6 +26,12 @@ from wheelrail.support.arrays import Array
 CHOICES: dict[str, Any] = {"bodies": "waveguide"}  # of the discretisation of every pair
 EXACT = np.inf  # N/m3
 STEEL = Material()
+
+
+def lattice_resolution(text: str) -> LatticeResolution:
+    """Strips and cells of an argument such as 8x10. Raises ValueError."""
+    strips, cells = map(int, text.split("x"))
+    return LatticeResolution(strips, cells)
 
 
 def frictionless() -> ContactLaws:

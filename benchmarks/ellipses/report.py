@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.common.machine import machine_description
-from benchmarks.common.models import hertz_model, rolling
+from benchmarks.common.models import hertz_model, lattice_resolution, rolling
 from benchmarks.ellipses.sample import RollingEllipse, rolling_ellipse
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
@@ -147,11 +147,6 @@ def show(outcomes: Sequence[EllipseOutcome]) -> str:
     return "\n".join([*lines, *(f"- {rolling_ellipse(o.seed, o.number)}" for o in failures)])
 
 
-def _resolution(text: str) -> LatticeResolution:
-    strips, cells = map(int, text.split("x"))
-    return LatticeResolution(strips, cells)
-
-
 def main() -> None:
     """Measures and prints."""
     parser = argparse.ArgumentParser(
@@ -162,7 +157,7 @@ def main() -> None:
     default = [LatticeResolution(4, 10), LatticeResolution(6, 12), LatticeResolution()]
     parser.add_argument("--cases", type=int, default=20000, metavar="N", help="of each resolution (20000)")
     parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the cases (0)")
-    parser.add_argument("--resolution", type=_resolution, nargs="+", default=default, metavar="STRIPSxCELLS")
+    parser.add_argument("--resolution", type=lattice_resolution, nargs="+", default=default, metavar="STRIPSxCELLS")
     parser.add_argument("--only", type=int, nargs="*", default=[], metavar="NUMBER", help="these cases of all")
     parser.add_argument("--log", type=Path, metavar="FILE", help="one line per case; continued where it exists")
     arguments = parser.parse_args()

@@ -137,7 +137,7 @@ class Fields:
         patch: (n,) index of the patch, -1 outside.
         point: (n, 3) m in the rail frame.
         axes: (n, 3, 3), rows longitudinal, lateral, outward normal of the wheel.
-        area: (n,) m2.
+        area: (n,) m2, times the share.
         step: (n,) m, length of the point's cell along the rolling direction.
         penetration: (n,) m of the undeformed bodies, positive where they interpenetrate; NaN where the model does not
             compute it.
@@ -146,6 +146,8 @@ class Fields:
         slip: (n, 2), slip over the rolling speed.
         displacement: (n, 3) m, wheel minus rail, in the local axes.
         sticks: (n,) mask; None unless the model itself distinguishes stick from slip.
+        share: (n,) of the result that is that of the point's strips, where a contact lies between two widths of strips
+            and fields are those of both; None: all of it.
     """
 
     node: Nodes
@@ -160,6 +162,19 @@ class Fields:
     slip: Array
     displacement: Array
     sticks: Mask | None = field(default_factory=lambda: None)  # no class attribute: `LazyFields`
+    share: Array | None = field(default_factory=lambda: None)
+
+    @property
+    def width(self) -> Array:
+        """Widths (n,) m of the points' cells across the rolling direction."""
+        width = self.area / self.step
+        return width if self.share is None else width / self.share
+
+    @property
+    def drawn(self) -> Mask:
+        """Mask (n,) of loaded points in a picture: of the strips with the larger share."""
+        loaded = self.pressure > 0
+        return loaded if self.share is None else loaded & (self.share == self.share.max())
 
 
 class LazyFields(Fields):

@@ -150,10 +150,8 @@ class LoadedBody:
         force = np.einsum("na,nac->nc", local, fields.axes[on])
         point = (fields.point[on] - self.frame.origin) @ self.frame.rotation
         sign = 1.0 if self.upper else -1.0
-        step = fields.step[on]
-        return CellLoads.over(
-            section, point, sign * force @ self.frame.rotation, step=step, width=fields.area[on] / step
-        )
+        loads = sign * force @ self.frame.rotation
+        return CellLoads.over(section, point, loads, step=fields.step[on], width=fields.width[on])
 
 
 def under(body: LoadedBody, section: WaveguideSection, result: ContactResult) -> tuple[Array, Array]:
@@ -178,10 +176,9 @@ def under(body: LoadedBody, section: WaveguideSection, result: ContactResult) ->
 
 def narrowest(fields: Fields) -> float:
     """Mean width m of the narrowest patch."""
-    width = fields.area / fields.step
     return float(
         min(
-            np.sum(width[own] * fields.step[own]) / np.ptp(np.append(fields.point[own, 0], fields.step[own].max()))
+            np.sum(fields.area[own]) / np.ptp(np.append(fields.point[own, 0], fields.step[own].max()))
             for own in (fields.patch == k for k in range(fields.patch.max() + 1))
         )
     )
@@ -202,7 +199,7 @@ def _profiled(
     x, y, z = ((fields.point[on] - frame.origin) @ frame.rotation).T
     section = np.column_stack([y, z if kind == "rail" else np.hypot(x, z)]) - outline.offset
     arc = outline.profile.closest(section).s
-    half = 0.5 * fields.area[on] / fields.step[on] + MARGIN * size
+    half = 0.5 * fields.width[on] + MARGIN * size
     ends = float((arc - half).min()), float((arc + half).max())
     return (rail_body if kind == "rail" else wheel_body)(outline, steel, size=size, ends=ends)
 
@@ -211,7 +208,7 @@ def _block(steel: Material, fields: Fields, size: float) -> WaveguideSection:
     from wheelrail.contact.elasticity.waveguide.bodies import block_body
 
     on = fields.pressure > 0
-    y = np.abs(fields.point[on, 1]) + 0.5 * fields.area[on] / fields.step[on]
+    y = np.abs(fields.point[on, 1]) + 0.5 * fields.width[on]
     reach = max(float(y.max()), float(np.abs(fields.point[on, 0]).max()))
     half_width = 2.0 ** np.ceil(np.log2(FAR * reach / size))
     return block_body(int(np.ceil(y.max() / size)) + MARGIN, steel, size=size, half_width=float(half_width))

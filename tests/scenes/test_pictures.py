@@ -16,6 +16,14 @@ from test_figures import history as run_history
 from xarray import Dataset
 
 import wheelrail as wr
+from wheelrail.contact.analytical.hertz import hertz, modulus
+from wheelrail.contact.kinematics.frames import RigidMotion, Twist
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.builders import hertz_pair
+from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.run import dataset as run_dataset
 from wheelrail.scenes.datasets.run_derived import wear
 from wheelrail.scenes.plots import comparison, runs
@@ -28,6 +36,7 @@ from wheelrail.scenes.plots.style import styled
 from wheelrail.scenes.runs.track_plot import track_figure
 from wheelrail.scenes.runs.track_table import segment_table
 from wheelrail.scenes.schema.scene import RunScene, load_scene
+from wheelrail.scenes.views.body_meshes import pressure_surface
 
 UNIT = re.compile(r"\[[^\]]+\]")
 
@@ -227,3 +236,22 @@ def test_cant_and_deficiency_have_one_sign_in_table_and_picture() -> None:
         np.testing.assert_allclose(np.interp(ends, x, y), [float(text) for text in cells[f"{name} mm"]], atol=0.6)
     assert float(cells["cant mm"][-1]) == 60.0
     assert float(cells["radius m"][-1]) < 0.0
+
+
+def test_pictures_between_two_widths_of_strips_show_one_of_them() -> None:
+    """A light contact, on strips of two widths: cells drawn cover the patch once, in two and three dimensions."""
+    radii, steel = (0.46, 0.3), Material()
+    how = Discretisation(1e-3, bodies="half-space", points="lattice")
+    model = hertz_pair((radii, (np.inf, np.inf)), (steel, steel), ContactLaws(friction=0.0), how, load=60e3)
+    pair = hertz(0.5 / radii[0], 0.5 / radii[1], modulus(*[(steel.E, steel.nu)] * 2), force=2475.0)
+    still = Twist(*np.zeros((3, 3)))
+    result = model(hertz_pose(pair.approach), RigidMotion(still, still))
+    fields = result.fields
+    assert fields is not None
+    assert fields.share is not None
+    assert 0 < fields.drawn.sum() < len(fields.drawn)
+    data = contact_dataset({"contact": result}, {"contact": ContactLaws(friction=0.0)})
+    covered = PatchCells.of(data, "contact", 0).areas.sum()
+    assert covered == pytest.approx(np.pi * pair.semi_axes[0] * pair.semi_axes[1], rel=0.05)
+    assert pressure_surface(result).area == pytest.approx(1e6 * covered, rel=1e-3)
+    assert float((data["pressure"] * data["area"]).sum()) == pytest.approx(result.force[2], rel=1e-3)

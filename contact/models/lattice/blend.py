@@ -113,13 +113,14 @@ class BlendDetails:
     def fields(self) -> Fields:
         """Cells of both levels."""
         parts = []
-        for side, result in enumerate((self.first, self.second)):
+        for side, (result, share) in enumerate(((self.first, self.share), (self.second, 1 - self.share))):
             own = result.fields
             if own is None:
                 continue
             number = {pair[side]: k for k, pair in enumerate(self.pairs)}
             patch: Nodes = np.array([number[k] if k >= 0 else -1 for k in own.patch.tolist()], dtype=int)
-            parts.append(replace(own, patch=patch, area=own.area * (self.share if side == 0 else 1 - self.share)))
+            shares = np.full(len(own.area), share)
+            parts.append(replace(own, patch=patch, area=share * own.area, share=shares))
         whole = {
             part.name: np.concatenate([getattr(own, part.name) for own in parts])
             for part in fields(Fields)

@@ -120,13 +120,19 @@ def _points(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws
     axes = means("1", "longitudinal, lateral and outward normal axis of the wheel surface")
     slip = means("1", "slip velocity of the wheel against the rail over the rolling speed")
     step = means("m", "length of the cell of the point in rolling direction")
-    return {
+    variables: dict[str, Any] = {}
+    if any(part.share is not None for part in fields):
+        shares = [np.ones(len(part.area)) if part.share is None else part.share for part in fields]
+        text = "share of the strips of the point in the result, between two widths of strips"
+        variables["share"] = ("point", np.concatenate(shares), means("1", text))
+    return variables | {
         "point_side": ("point", own.astype(str), means("1", "side of the point")),
         "point_patch": ("point", patch, means("1", "patch of the point, -1 for none")),
         "position": (("point", "axis"), joined("point", 3), position),
         "axes": (("point", "direction", "axis"), joined("axes", 3, 3), axes),
-        "area": ("point", joined("area"), means("m2", "area of the cell of the point")),
+        "area": ("point", joined("area"), means("m2", "area of the cell of the point, times its share")),
         "step": ("point", joined("step"), step),
+        "width": ("point", joined("width"), means("m", "width of the cell of the point across the rolling direction")),
         "penetration": ("point", joined("penetration"), means("m", "penetration of the undeformed bodies")),
         "pressure": ("point", joined("pressure"), means("Pa", "contact pressure")),
         "traction": (("point", "tangent"), joined("traction", 2), means("Pa", "tangential traction on the wheel")),

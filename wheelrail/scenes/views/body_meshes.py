@@ -111,9 +111,9 @@ def pressure_surface(result: ContactResult, *, mirrored: bool = False) -> Any:
     fields = result.fields
     if fields is None or not (fields.pressure > 0).any():
         raise ValueError("the bodies are not in contact: no patch to draw")
-    loaded = fields.pressure > 0
-    step, axes = fields.step[loaded], fields.axes[loaded]
-    half = 0.5 * np.stack([step, fields.area[loaded] / step], axis=1)[..., None] * axes[:, :2]
+    loaded = fields.drawn
+    axes = fields.axes[loaded]
+    half = 0.5 * np.stack([fields.step[loaded], fields.width[loaded]], axis=1)[..., None] * axes[:, :2]
     signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     corners = 1e3 * (fields.point[loaded][:, None] + np.einsum("ks,nsc->nkc", signs, half)) - ABOVE * axes[:, None, 2]
     traction = np.einsum("ns,nsc->nc", fields.traction[loaded], axes[:, :2])

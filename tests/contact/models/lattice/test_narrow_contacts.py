@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from test_lattice import STEEL, flowing, rolling, wheelset
 
-from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
+from wheelrail.contact.analytical.hertz import Hertz, axis_stress, hertz, modulus
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -24,6 +24,7 @@ from wheelrail.contact.models.lattice.system.penetrated_width import maxima, pen
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import motion_data
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.stress.subsurface import LoadedBody
 from wheelrail.support.arrays import Array
 from wheelrail.support.plain_data import decode, encode
 
@@ -169,6 +170,23 @@ def test_patches_and_fields_between_levels_carry_the_force(between: tuple[Pose, 
     assert result.mirrored().patches[0].force[1] == -patch.force[1]
     levels = [wheel("waveguide").on(level) for level in levels_of(result)]
     assert levels[1].tables is not levels[0].tables
+
+
+@pytest.mark.parametrize("load", [295.0, 2475.0])
+def test_stress_between_levels(load: float) -> None:
+    """Below a circle, closed form; on the axis at 0.1 to 1.5 of its radius within 1.5 % of the peak pressure."""
+    radii = 0.3, 0.3
+    result = ellipse(radii)(hertz_pose(exact(radii, load).approach), flowing())
+    assert len(levels_of(result)) == 2
+    assert result.fields is not None
+    assert result.fields.share is not None
+    assert 0.05 < result.fields.share.min() < 0.5  # the other level counts
+    pair = exact(radii, float(result.force[2]))
+    depth = pair.semi_axes[0] * np.array([0.1, 0.2, 0.5, 1.0, 1.5])
+    (below,) = LoadedBody.block(False, STEEL).below(result, depth).patches
+    radial, axial = axis_stress(depth, radius=pair.semi_axes[0], peak=pair.peak, nu=STEEL.nu)
+    closed = np.einsum("am,ab->mab", [radial, radial, axial], np.eye(3))
+    assert np.abs(below.stress - closed).max() < 0.015 * pair.peak
 
 
 def test_the_right_wheel_between_levels_is_the_mirror_image(between: tuple[Pose, ContactResult]) -> None:
