@@ -1,12 +1,14 @@
 """Lateral sweep of a wheel across its rail at constant load: is the contact a smooth function of the pose?
 
 python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--yaw MRAD] [--bodies half-space]
-                           [--tolerance T] [--tangents EVERY] [--picture FILE] [--json FILE]
+                           [--tolerance T] [--tangents EVERY] [--finer STRIPSxCELLS] [--picture FILE] [--json FILE]
 
 One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Output for
 every force and moment, relative to the load (moments: to the load on one nominal radius): the largest change between
 positions; the largest second difference, that over eight times the distance divided by 64 (the curvature of the
-function), and the largest ratio of the former to three times the latter nearby plus 2e-5 of the load; the largest
+function), and the largest ratio of the former to three times the latter nearby plus 2e-5 of the load; with --finer
+these ratios once more, where they are above one, with the second differences of a finer contact nearby as the
+curvature of the function, which may change within less than eight times the distance; the largest
 difference between solves that start from earlier results and from none; and, at every n-th position, changes of force
 and moment over some distances to either side along every coordinate, against the integral of the tangent between, over
 the largest entry of its row: apart where no strip comes or goes and no cell begins or ends to stick between, as the
@@ -28,7 +30,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.special import roots_legendre
 
 from benchmarks.common.machine import machine_description
-from benchmarks.common.models import STEEL, PairTrack, wheelset_model
+from benchmarks.common.models import STEEL, PairTrack, lattice_resolution, wheelset_model
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.lattice.levels import LevelSolutions
@@ -45,6 +47,7 @@ SEARCH = 60  # solves for the depth under the load
 DEEPER, RELEASE = 2e-5, 1e-4  # m, largest steps of the depth: on a flange the force grows within micrometres
 WIDE = 8  # distance of the differences from which the curvature is taken, in steps
 ALLOWED = 2e-5  # of the load
+NEAR = 4  # positions: of second differences of a finer contact
 DISTANCES = 2e-7, 2e-6  # m and rad, over which the tangent is integrated
 PLACES, WEIGHTS = roots_legendre(4)
 RATES = SPEED  # m/s and rad/s over m and rad in them: equal creepages
@@ -238,6 +241,40 @@ def smoothness(wrench: Array) -> tuple[Array, Array, Array]:
     return second, nearby, second / (3 * nearby + ALLOWED)
 
 
+def beyond(ratio: Array) -> list[tuple[int, int]]:
+    """First and last position of each group with a ratio (m, 6) above one, at most `WIDE` apart."""
+    places = np.flatnonzero(np.nan_to_num(ratio).max(axis=1) > 1.0)
+    groups = np.split(places, np.flatnonzero(np.diff(places) > WIDE) + 1) if len(places) else []
+    return [(int(group[0]), int(group[-1])) for group in groups]
+
+
+def against_finer(finer: WheelsetContact, record: Record, positions: Array, yaw: float, scale: Array) -> None:
+    """Print ratios above one beside those with the second differences of a finer contact at most `NEAR` positions away.
+
+    Parameters:
+        finer: contact on more strips and cells.
+        record, positions: of the sweep, positions (m,) m.
+        yaw: rad.
+        scale: (6,) of forces and moments.
+    """
+    second, nearby, ratio = smoothness(record.wrench / scale)
+    print("| from mm | to mm | | second difference % | ratio | of the finer one nearby % | ratio |")
+    print("|---|---|---|---|---|---|---|")
+    for first, last in beyond(ratio):
+        start = max(first - NEAR - 1, 0)
+        near = sweep(finer, positions[start : last + NEAR + 2], yaw, 0).wrench / scale
+        curvature = np.full(second.shape, np.nan)
+        curvature[start + 1 : start + len(near) - 1] = np.abs(np.diff(near, 2, axis=0))
+        own = slice(first, last + 1)
+        curvature = maximum_filter1d(np.nan_to_num(curvature), 2 * NEAR + 1, axis=0)[own]
+        again = second[own] / (3 * np.maximum(curvature, nearby[own]) + ALLOWED)
+        where = ratio[own] > 1.0
+        i, k = np.unravel_index(np.nanargmax(np.where(where, again, np.nan)), again.shape)
+        row = 100 * second[own][i, k], ratio[own][i, k], 100 * curvature[i, k], again[i, k]
+        place = f"{1e3 * positions[first]:.3f} | {1e3 * positions[last]:.3f} | {NAMES[k]}"
+        print(f"| {place} | {row[0]:.5f} | {row[1]:.2f} | {row[2]:.5f} | {row[3]:.2f} |", flush=True)
+
+
 def picture(path: Path, y: Array, wrench: Array, second: Array) -> None:
     """Forces over the lateral position, and their second differences."""
     import matplotlib
@@ -296,6 +333,7 @@ def main() -> None:
     parser.add_argument("--bodies", choices=("waveguide", "half-space"), default="waveguide")
     parser.add_argument("--tolerance", type=float, default=1e-9)
     parser.add_argument("--tangents", type=int, default=0)
+    parser.add_argument("--finer", type=lattice_resolution, metavar="STRIPSxCELLS")
     parser.add_argument("--picture", type=Path)
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
@@ -311,6 +349,9 @@ def main() -> None:
     )
     scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD
     second = report(record, positions, scale)
+    if arguments.finer:
+        finer = replace(contact, model=replace(contact.model, resolution=arguments.finer))  # type: ignore[type-var]
+        against_finer(finer, record, positions, 1e-3 * arguments.yaw, scale)
     if arguments.json:
         table = {
             "columns": ["y", "z", *NAMES],
