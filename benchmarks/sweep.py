@@ -1,7 +1,8 @@
 """Lateral sweep of a wheel across its rail at constant load: is the contact a smooth function of the pose?
 
 python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--yaw MRAD] [--bodies half-space]
-                           [--tolerance T] [--tangents EVERY] [--finer STRIPSxCELLS] [--picture FILE] [--json FILE]
+                           [--resolution STRIPSxCELLS] [--tolerance T] [--tangents EVERY] [--finer STRIPSxCELLS]
+                           [--picture FILE] [--json FILE]
 
 One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Output for
 every force and moment, relative to the load (moments: to the load on one nominal radius): the largest change between
@@ -34,6 +35,7 @@ from benchmarks.common.models import STEEL, PairTrack, lattice_resolution, wheel
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.lattice.levels import LevelSolutions
+from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -206,10 +208,16 @@ class Record:
     unsolved: list[str]
 
 
-def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int) -> Record:
-    """Results at positions (m,) m with a yaw angle rad, tangents at every n-th one (0: none)."""
+def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int, height: float = np.nan) -> Record:
+    """Results at positions (m,) m with a yaw angle rad, tangents at every n-th one (0: none); height: m, of the
+    wheelset at the first one, if it is known about.
+    """
     m = len(positions)
-    run, record = Sweep(contact, yaw), Record(np.full((m, 6), np.nan), np.full(m, np.nan), [], [], [], [], [])
+    path = [(float(positions[0]), -height)] if np.isfinite(height) else []
+    run, record = (
+        Sweep(contact, yaw, path=path),
+        Record(np.full((m, 6), np.nan), np.full(m, np.nan), [], [], [], [], []),
+    )
     start = perf_counter()
     for i, y in enumerate(positions.tolist()):
         began = perf_counter()
@@ -262,7 +270,7 @@ def against_finer(finer: WheelsetContact, record: Record, positions: Array, yaw:
     print("|---|---|---|---|---|---|---|")
     for first, last in beyond(ratio):
         start = max(first - NEAR - 1, 0)
-        near = sweep(finer, positions[start : last + NEAR + 2], yaw, 0).wrench / scale
+        near = sweep(finer, positions[start : last + NEAR + 2], yaw, 0, record.height[start]).wrench / scale
         curvature = np.full(second.shape, np.nan)
         curvature[start + 1 : start + len(near) - 1] = np.abs(np.diff(near, 2, axis=0))
         own = slice(first, last + 1)
@@ -331,6 +339,7 @@ def main() -> None:
     parser.add_argument("--friction", type=float, default=0.3)
     parser.add_argument("--yaw", type=float, default=0.0)
     parser.add_argument("--bodies", choices=("waveguide", "half-space"), default="waveguide")
+    parser.add_argument("--resolution", type=lattice_resolution, default=LatticeResolution(), metavar="STRIPSxCELLS")
     parser.add_argument("--tolerance", type=float, default=1e-9)
     parser.add_argument("--tangents", type=int, default=0)
     parser.add_argument("--finer", type=lattice_resolution, metavar="STRIPSxCELLS")
@@ -340,12 +349,14 @@ def main() -> None:
     print(machine_description())
     laws = ContactLaws(friction=arguments.friction)
     contact = wheelset_model(PairTrack(STEEL), laws, 1e-3, points="lattice", bodies=arguments.bodies)
-    contact = replace(contact, model=replace(contact.model, tolerance=arguments.tolerance))  # type: ignore[type-var]
+    asked = {"tolerance": arguments.tolerance, "resolution": arguments.resolution}
+    contact = replace(contact, model=replace(contact.model, **asked))  # type: ignore[type-var]
     positions = 1e-3 * np.arange(arguments.low, arguments.high + 0.5 * arguments.step, arguments.step)
     record = sweep(contact, positions, 1e-3 * arguments.yaw, arguments.tangents)
     print(
         f"\n{len(positions)} positions, {arguments.step:g} mm apart, friction {arguments.friction:g}, yaw "
-        f"{arguments.yaw:g} mrad, {arguments.bodies}, tolerance {arguments.tolerance:g}"
+        f"{arguments.yaw:g} mrad, {arguments.bodies}, tolerance {arguments.tolerance:g}, "
+        f"{arguments.resolution.strips} x {arguments.resolution.cells} strips and cells"
     )
     scale = np.array([1, 1, 1, *(3 * [contact.mounting.radius])]) * LOAD
     second = report(record, positions, scale)
