@@ -46,6 +46,22 @@ def projected(q: Expr, s: Expr, b: Expr, ρ: Expr, ε: Expr | float) -> Expr:
     return q - b * y / larger(length(y), larger(b * ρ + ε, LEAST))
 
 
+def mean_projected(q: Expr, s: Expr, bounds: tuple[Expr, Expr], ρ: Expr, ε: Expr | float) -> Expr:
+    """Mean of `projected` over a cell whose bound varies linearly between two values, at a constant q and s.
+
+    F = q - m y / |y| with t = |y| / (ρ + ε / b), b the mean bound, and m the mean of the lesser of t and the bound: t
+    below the lower bound, b above the upper one, t - (t - b₁)² / 2 (b₂ - b₁) between. Its slopes have no jumps.
+    """
+    y, b = ρ * q - s, 0.5 * (bounds[0] + bounds[1])
+    rises = ufl.lt(bounds[0], bounds[1])
+    lower, upper = ufl.conditional(rises, *bounds), ufl.conditional(rises, *reversed(bounds))
+    stiffness, size = b / larger(b * ρ + ε, LEAST), length(y)
+    t = stiffness * size
+    between = t - (t - lower) ** 2 / (2 * larger(upper - lower, LEAST))
+    mean = ufl.conditional(ufl.gt(t, upper), b, between)
+    return q - ufl.conditional(ufl.lt(t, lower), stiffness, mean / size) * y
+
+
 def regularised(s: Expr, b: Expr, ε: Expr | float) -> Expr:
     """pₜ = -b s / max(|s|, ε): viscous below the creepage ε > 0, Coulomb above, eq. (6)."""
     return -b * s / larger(length(s), ε)

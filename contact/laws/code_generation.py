@@ -39,13 +39,21 @@ def residual(q, s, p, rho, speed, eps, parameters):
     return bound, F, math.sqrt(total)
 
 
-def residual_at(q, s, p, rho, counts, numbers, parameters, out):
+def mean_residual(q, s, p, rho, speed, eps, parameters, out):
+{parameters}
+    for i in range(q.shape[1]):
+        q0, q1, s0, s1, low, high, rho_ = q[0, i], q[1, i], s[0, i], s[1, i], p[0, i], p[1, i], rho[i]
+{mean_residual}
+        out[0, i], out[1, i] = {mean_residual_out}
+
+
+def mean_residual_at(q, s, p, rho, counts, numbers, parameters, out):
     n, own = carray(counts, (2,))
     speed, eps = carray(numbers, (2,))
-    _, F, _ = residual(
-        carray(q, (2, n)), carray(s, (2, n)), carray(p, (n,)), carray(rho, (n,)), speed, eps, carray(parameters, (own,))
+    mean_residual(
+        carray(q, (2, n)), carray(s, (2, n)), carray(p, (2, n)), carray(rho, (n,)), speed, eps,
+        carray(parameters, (own,)), carray(out, (2, n)),
     )
-    carray(out, (2, n))[:] = F
 
 
 def bounded_residual(q, s, bound, rho, eps):
@@ -70,12 +78,20 @@ def slopes(index, q, s, p, rho, speed, eps, parameters):
     return out
 
 
-def slopes_at(q, s, p, rho, counts, numbers, parameters, out):
+def mean_slopes(q, s, p, rho, speed, eps, parameters, out):
+{parameters}
+    for i in range(q.shape[1]):
+        q0, q1, s0, s1, low, high, rho_ = q[0, i], q[1, i], s[0, i], s[1, i], p[0, i], p[1, i], rho[i]
+{mean_slopes}
+        {mean_slopes_out}
+
+
+def mean_slopes_at(q, s, p, rho, counts, numbers, parameters, out):
     n, own = carray(counts, (2,))
     speed, eps = carray(numbers, (2,))
-    carray(out, (n, 12))[:] = slopes(
-        np.arange(n), carray(q, (2, n)), carray(s, (2, n)), carray(p, (n,)), carray(rho, (n,)), speed, eps,
-        carray(parameters, (own,)),
+    mean_slopes(
+        carray(q, (2, n)), carray(s, (2, n)), carray(p, (2, n)), carray(rho, (n,)), speed, eps,
+        carray(parameters, (own,)), carray(out, (n, 14)),
     )
 
 
@@ -109,12 +125,12 @@ COMPONENTS: dict[str, list[tuple[int, ...]]] = {"q": MATRIX, "s": MATRIX, "p": V
 def friction_source(law: FrictionLaw) -> str:
     """Source of the functions of `wheelrail.contact.laws.pointwise.FrictionFunctions` for all laws of a class.
 
-    F = q - b y / max(|y|, b rho + eps) and its slopes, b = mu p; with given bounds b, too.
+    F = q - b y / max(|y|, b rho + eps) and its slopes, b = mu p; with given bounds b, and in the mean of cells, too.
     """
     import ufl
 
     from wheelrail.forms import pointwise
-    from wheelrail.forms.traction import length, projected
+    from wheelrail.forms.traction import length, mean_projected, projected
 
     symbols = pointwise.Symbols()
     own = {name: symbols.new() for name in parameters(law)}
@@ -130,10 +146,14 @@ def friction_source(law: FrictionLaw) -> str:
     symbolic = pointwise.with_parameters(law, own)
     mu = pointwise.evaluated(symbolic, "coefficient", w, p)
     bound = pointwise.evaluated(symbolic, "coefficient", length(s) * V, p) * p
-    F, G = projected(q, s, bound, rho, eps), projected(q, s, b, rho, eps)
+    ends = variable("low"), variable("high")
+    bounds = tuple(pointwise.evaluated(symbolic, "coefficient", length(s) * V, end) * end for end in ends)
+    F, G, H = projected(q, s, bound, rho, eps), projected(q, s, b, rho, eps), mean_projected(q, s, bounds, rho, eps)
     diff = pointwise.derivative
     depends = tuple(not pointwise.is_zero(diff(mu, x)) for x in (w, p))
     dF = {name: diff(F, x) for name, x in (("q", q), ("s", s), ("p", p), ("V", V))}
+    by_vectors = [(diff(H, x), i) for x in (q, s) for i in MATRIX]
+    by_numbers = [(diff(H, x), i) for x in (*ends, V) for i in VECTOR]
     return HEAD + FRICTION.format(
         depends=depends,
         parameters=_block((f"own_{name} = parameters[{i}]" for i, name in enumerate(own)), 4),
@@ -143,6 +163,8 @@ def friction_source(law: FrictionLaw) -> str:
             names,
             [(pointwise.lowered(bound), ()), *((pointwise.lowered(F), i) for i in VECTOR)],
         ),
+        **_loop("mean_residual", names, [(pointwise.lowered(H), i) for i in VECTOR]),
+        **_loop("mean_slopes", names, [*by_vectors, *by_numbers], "i"),
         **_loop("bounded", names, [(pointwise.lowered(G), i) for i in VECTOR]),
         **_loop("slopes", names, [(dF[x], i) for x, at in COMPONENTS.items() for i in at], "k"),
         **_loop("bounded_slopes", names, [(diff(G, x), i) for x in (q, s) for i in MATRIX], "k"),

@@ -33,7 +33,10 @@ WITHOUT_UFL = "none"  # in place of UFL's stamp
 # A law of each class, with any constants: they are arguments of the generated functions.
 FRICTION_LAWS: tuple[FrictionLaw, ...] = Coulomb(), FallingFriction.polach(), Stribeck(0.3, 0.2, 1.0)
 NORMAL_LAWS: tuple[NormalLaw, ...] = Penalty(), PowerPenalty(1e12, 2.0)
-FRICTION = ("coefficient", "residual", "bounded_residual", "slopes", "bounded_slopes")
+FRICTION = (
+    *("coefficient", "residual", "bounded_residual", "slopes", "bounded_slopes"),
+    *("mean_residual", "mean_slopes"),
+)
 VELOCITIES = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0, 100.0])  # m/s, at which laws are checked
 PRESSURES = np.array([0.0, 1.0, 1e6, 1e9, 5e9])  # Pa, likewise
 
@@ -64,13 +67,13 @@ class FrictionFunctions:
 
     @cached_property
     def residual_address(self) -> int:
-        """Address of `residual` for `wheelrail.contact.laws.residual_call`."""
-        return address(self.code.residual_at, AT_POINTS)
+        """Address of the mean residual of cells for `wheelrail.contact.laws.residual_call`."""
+        return address(self.code.mean_residual_at, AT_POINTS)
 
     @cached_property
     def slopes_address(self) -> int:
-        """Address of `slopes` at all points, likewise."""
-        return address(self.code.slopes_at, AT_POINTS)
+        """Address of its slopes, likewise."""
+        return address(self.code.mean_slopes_at, AT_POINTS)
 
     def bounded_residual(self, q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, float]:
         """F (2, n) Pa and its norm for given bounds."""

@@ -32,18 +32,27 @@ class ResidualCode(NamedTuple):
 
 @compiled
 def friction_residual(law: ResidualCode, q: Array, s: Array, p: Array, rho: Array, speed: float) -> Array:
-    """F (2, n) Pa of `FrictionFunctions.residual`, from contiguous arrays."""
+    """Means F (2, n) Pa of the friction residual over n cells, see `wheelrail.forms.traction.mean_projected`.
+
+    Parameters, contiguous:
+        law: of friction.
+        q: (2, n) Pa, tractions.
+        s: (2, n), slips over the rolling speed.
+        p: (2, n) Pa, pressures between which the cells have a linear one.
+        rho: (n,) 1/Pa.
+        speed: m/s, of rolling.
+    """
     F = np.empty_like(q)
-    counts, numbers = np.array([len(p), len(law.parameters)]), np.array([speed, law.regularisation])
+    counts, numbers = np.array([len(rho), len(law.parameters)]), np.array([speed, law.regularisation])
     _write(law.address, q, s, p, rho, counts, numbers, law.parameters, F)
     return F
 
 
 @compiled
 def friction_slopes(law: ResidualCode, q: Array, s: Array, p: Array, rho: Array, speed: float) -> Array:
-    """Slopes (n, 12) of `FrictionFunctions.slopes`, from contiguous arrays."""
-    slopes = np.empty((len(p), 12))
-    counts, numbers = np.array([len(p), len(law.parameters)]), np.array([speed, law.regularisation])
+    """Slopes (n, 14) of `friction_residual` by q, s (2, 2 each), both pressures and the speed (2 each)."""
+    slopes = np.empty((len(rho), 14))
+    counts, numbers = np.array([len(rho), len(law.parameters)]), np.array([speed, law.regularisation])
     _write(law.slopes_address, q, s, p, rho, counts, numbers, law.parameters, slopes)
     return slopes
 

@@ -196,7 +196,7 @@ class LatticeContact:
             return None
         if not isinstance(earlier, LatticeSolution):
             return None
-        if not earlier.factors.fit(earlier.state.values, self._block, self.resolution.cells):
+        if not earlier.factors.fit(earlier.state.values, self._block):
             return None
         remain = problem.near[earlier.state.strips]
         if not remain.any():

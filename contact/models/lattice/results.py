@@ -57,14 +57,14 @@ class SolutionDetails:
     def result(self) -> ContactResult:
         """Result with fields and patches."""
         problem, state = self.problem, self.solution.state
-        evaluation = problem.evaluate(state, self.solution.factors.rho)
+        evaluation = problem.evaluate(state)
         S, M = evaluation.pressure.shape
         layout, places = problem.layout(state), problem.cell_places(state)
         q, slip, margin = np.zeros((S * M, 2)), np.zeros((S * M, 2)), np.zeros(S * M)
         if problem.law is not None:
             q = state.tractions.transpose(0, 2, 1).reshape(-1, 2)
             slip = evaluation.slip.transpose(0, 2, 1).reshape(-1, 2)
-            rho = self.solution.factors.rho
+            rho = np.broadcast_to(problem.rho, evaluation.pressure.shape)
             margin = problem.law.margins(
                 state.tractions, evaluation.slip, evaluation.pressure, rho, problem.speed
             ).ravel()

@@ -88,7 +88,7 @@ class LatticeTangent:
             D = at.slopes
             by_slip = D[:, :, 4:8].reshape(S, M, 2, 2)
             rows = np.einsum("srab,sbrj->sarj", by_slip, creep)
-            rows += D[:, :, 10:].transpose(0, 2, 1)[..., None] * speed
+            rows += D[:, :, 8:10].transpose(0, 2, 1)[..., None] * speed
             total[:, : 2 * M] = rows.reshape(S, 2 * M, CHANGES)
         return total.reshape(S * block, CHANGES)
 

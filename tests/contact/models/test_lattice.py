@@ -30,7 +30,13 @@ from wheelrail.contact.models.lattice.solver.factors import Factors, lapack
 from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS, iterate
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.solver.renewal import renewed
-from wheelrail.contact.models.lattice.system.equations import Linearisation, friction_rows, linearise, rigid_slip
+from wheelrail.contact.models.lattice.system.equations import (
+    SLOPES,
+    Linearisation,
+    friction_rows,
+    linearise,
+    rigid_slip,
+)
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -117,12 +123,12 @@ def test_jacobian_of_all_unknowns(y: str, friction: float) -> None:
     scale[:, -2:] = 1e-6
     at = LatticeState(found.strips, found.values + scale * random.standard_normal(scale.shape))
     linearisation = problem.linearise(at)
-    jacobian, rho = linearisation.jacobian, linearisation.rho
+    jacobian = linearisation.jacobian
     direction = (scale * random.standard_normal(scale.shape)).ravel()
     step = 1e-3
     ahead, behind = (
         problem.evaluate(
-            LatticeState(at.strips, at.values + sign * step * direction.reshape(scale.shape)), rho
+            LatticeState(at.strips, at.values + sign * step * direction.reshape(scale.shape))
         ).residual.ravel()
         for sign in (1, -1)
     )
@@ -189,7 +195,7 @@ def test_slip_by_pressure_on_unlike_spheres(swapped: bool) -> None:
         model, expected = unlike(1e-7, (0.4, 0.4), M, swapped=swapped)
         pose = hertz_pose(expected.approach)
         problem, state = model.problem(pose, flowing()), start(model(pose, flowing(), None))
-        evaluation = problem.evaluate(state, np.ones((len(state.strips), M)))
+        evaluation = problem.evaluate(state)
         slip = evaluation.slip - rigid_slip(state.values, problem.of(state.strips))[0]
         length = np.diff(state.ends) * np.diff(problem.basis.marks)
         weight = evaluation.pressure * length * problem.width[state.strips, None]
@@ -378,7 +384,7 @@ def finer(model: Any) -> LatticeContact:
     return replace(model, resolution=LatticeResolution(24, 20))
 
 
-@pytest.mark.parametrize("damaged", ["pivots", "lu", "rho", "slips", "slopes", "gather", "double", "block"])
+@pytest.mark.parametrize("damaged", ["pivots", "lu", "rows", "slips", "slopes", "gather", "double", "block"])
 def test_a_warm_start_that_does_not_fit_is_not_used(damaged: str) -> None:
     """As from a file that somebody has changed: compiled code reads the factors without looking at their sizes."""
     contact = ellipse(0.3)
@@ -391,8 +397,8 @@ def test_a_warm_start_that_does_not_fit_is_not_used(damaged: str) -> None:
         factors = factors._replace(pivots=factors.pivots + np.int32(10**6))
     elif damaged == "lu":
         factors = factors._replace(lu=factors.lu[:5, :5].copy())
-    elif damaged == "rho":
-        factors = factors._replace(rho=factors.rho[:1])
+    elif damaged == "rows":
+        factors = factors._replace(rows=factors.rows[:1])
     elif damaged == "slips":
         factors = factors._replace(slips=factors.slips[:, 1:].copy())
     elif damaged == "slopes":
@@ -415,9 +421,9 @@ def test_solutions_are_refined_to_double_precision(smallest: float) -> None:
     n, random = strips * block, np.random.default_rng(1)
     left, right = (np.linalg.qr(random.standard_normal((n, n)))[0] for _ in range(2))
     scaled = left @ np.diag(np.geomspace(1.0, smallest, n)) @ right
-    slips, slopes = np.zeros((strips, 2 * cells, n), dtype=np.float32), np.zeros((strips, cells, 12))
+    slips, slopes = np.zeros((strips, 2 * cells, n), dtype=np.float32), np.zeros((strips, cells, SLOPES))
     evaluation = NO_FACTORS.evaluation
-    at = Linearisation(evaluation, np.eye(n), np.ones((strips, cells)), slips, slopes)
+    at = Linearisation(evaluation, np.eye(n), slips, slopes)
     empty = Factors.of(at)
     jacobian = scaled / (empty.rows[:, None] * empty.columns)
     factors = Factors.of(at._replace(jacobian=jacobian))
@@ -434,24 +440,25 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
     assert isinstance(contact.model, LatticeContact)
     place = rolling(-5e-3, -0.34e-3, creepage=5e-4)
     at, problem = start(contact(place, "left")), contact.model.problem(*contact.mounting.left_pair(place))
-    linearisation, mean = problem.linearise(at), problem.basis.mean
+    linearisation = problem.linearise(at)
     factors = Factors.of(linearisation)
-    assert not renewed(factors, linearisation.slopes, mean, lapack())[0]
-    sticks = np.abs(linearisation.slopes[..., 8:10]).max(axis=-1) < 1e-6
+    assert not renewed(factors, linearisation.slopes, problem.rho, lapack())[0]
+    by_pressure = np.abs(linearisation.slopes[..., 10:12]).max(axis=-1)
+    sticks, slides = by_pressure < 1e-6, by_pressure > 0.5 * by_pressure.max()
     assert sticks.any()
-    assert not sticks.all()
+    assert slides.any()
     few = np.zeros_like(sticks)
     few[sticks] = np.arange(sticks.sum()) < 3
-    few[~sticks] = np.arange((~sticks).sum()) < 2
-    others = np.argwhere(sticks)[-1], np.argwhere(~sticks)[-1]
+    few[slides] = np.arange(slides.sum()) < 2
+    others = np.argwhere(sticks)[-1], np.argwhere(slides)[-1]
     for cells in (few, few & sticks):
         slopes = linearisation.slopes.copy()
-        slopes[cells & sticks], slopes[cells & ~sticks] = (slopes[*other] for other in reversed(others))
-        changed, present = renewed(factors, slopes, mean, lapack())
+        slopes[cells & sticks], slopes[cells & slides] = (slopes[*other] for other in reversed(others))
+        changed, present = renewed(factors, slopes, problem.rho, lapack())
         assert changed
         assert len(present.gather) == 2 * cells.sum()
-        _, operator, _ = linearise(at.values, problem.of(at.strips))
-        friction_rows(operator, slopes, mean)
+        _, operator = linearise(at.values, problem.of(at.strips))
+        friction_rows(operator, slopes)
         residual = np.random.default_rng(2).standard_normal(at.values.shape)
         residual /= factors.rows.reshape(residual.shape)
         expected = np.linalg.solve(operator, -residual.ravel()) / factors.columns
@@ -459,8 +466,8 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
         assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max() < np.abs(old - expected).max()
         factors = present
     few[:] = True
-    slopes[few & sticks], slopes[few & ~sticks] = (slopes[*other] for other in reversed(others))
-    assert not renewed(factors, slopes, mean, lapack())[0]
+    slopes[few & sticks], slopes[few & slides] = (slopes[*other] for other in reversed(others))
+    assert not renewed(factors, slopes, problem.rho, lapack())[0]
 
 
 def test_cells_that_begin_to_slip_need_no_jacobian() -> None:

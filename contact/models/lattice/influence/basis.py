@@ -34,6 +34,7 @@ class StripBasis(NamedTuple):
         marks: (M + 1,) cell boundaries from 0 (trailing end) to 1 (leading end).
         row_marks: (M + 3,) the same with two more cells ahead, for the upstream difference of the slip.
         mean: (M, MODES) mean of the pressure modes over the cells.
+        ends: (M, 2, MODES) values at the ends of the cells of linear functions with their means and first moments.
         loads: (M, MODES) the same corrected for the variation within the cells, to compute displacements.
         load_edges: (M + 1, MODES) their jumps at the marks.
         moments: (MOMENTS, M) weights of cell means in the moments of the gap.
@@ -43,6 +44,8 @@ class StripBasis(NamedTuple):
         slip_edges: (M, 4) weights of an antiderivative at a cell's first boundary and the next three in its slip, times
             a power of the length: the upstream difference of second order, or the mean for a tangential displacement.
         slip_power: this power, 2 or 1.
+        own_slip: (M,) slips of cells by traction of 2 / (pi E*) on them in plane strain; for a tangential displacement
+            their lengths.
         stations: (STATIONS,) places from 0 to 1 at which the penetration is evaluated.
         penetration: (MOMENTS, STATIONS) weights of the penetration there in its moments.
         cell_penetration: (M, STATIONS) the same in its means over the cells.
@@ -54,6 +57,7 @@ class StripBasis(NamedTuple):
     marks: Array
     row_marks: Array
     mean: Array
+    ends: Array
     loads: Array
     load_edges: Array
     moments: Array
@@ -61,6 +65,7 @@ class StripBasis(NamedTuple):
     edge_moments: Array
     slip_edges: Array
     slip_power: int
+    own_slip: Array
     stations: Array
     penetration: Array
     cell_penetration: Array
@@ -90,6 +95,8 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     t, w = _angles(edges)
     moment = np.arange(MOMENTS)
     mean = _mode_means(edges)
+    half = 0.0 if tangential == "shift" else _mode_variations(edges, mean)  # no scale of partial slip without rolling
+    ends = np.stack([mean - half, mean + half], axis=1)
     moments = np.einsum("rg,rgk->kr", w, np.cos(moment * t[..., None])) / np.pi
     middle = 0.5 * (row_marks[1:] + row_marks[:-1])
     stations = 0.5 - 0.5 * np.cos(np.pi * (np.arange(STATIONS) + 0.5) / STATIONS)
@@ -102,18 +109,21 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     split = np.append((edges[:-1, None] + np.diff(edges)[:, None] * np.arange(SPLIT) / SPLIT).ravel(), 1.0)
     split_edges = _jumps(_loads(split, _mode_means(split)))
     split_edges[::SPLIT] -= load_edges
+    slip_edges = fixed(_slip_edges(difference, np.diff(row_marks)))
     moment_edges = fixed(_edge_weights(moments / np.diff(edges)))
     return StripBasis(
         edges,
         row_marks,
         fixed(mean),
+        fixed(ends),
         fixed(loads),
         fixed(load_edges),
         fixed(moments),
         moment_edges,
         fixed(moment_edges.T),
-        fixed(_slip_edges(difference, np.diff(row_marks))),
+        slip_edges,
         1 if shifts else 2,
+        np.diff(edges) if shifts else _own_slip(row_marks, slip_edges),
         stations,
         fixed(moments @ means),
         fixed(means),
@@ -136,6 +146,15 @@ def _mode_means(edges: Array) -> Array:
     t, w = _angles(edges)
     means = np.einsum("rg,rgm->rm", w * np.sin(t), np.sin((np.arange(MODES) + 1) * t[..., None]))
     return np.asarray(means / (2 * np.diff(edges)[:, None]))
+
+
+def _mode_variations(edges: Array, mean: Array) -> Array:
+    """Half the changes (M, MODES) over the cells of linear functions with the first moments of the pressure modes."""
+    t, w = _angles(edges)
+    middle, length = edges[1:] + edges[:-1] - 1, 2 * np.diff(edges)
+    place = (np.cos(t) - middle[:, None]) / length[:, None]  # from -1/2 to 1/2
+    first = np.einsum("rg,rgm->rm", w * np.sin(t) * place, np.sin((np.arange(MODES) + 1) * t[..., None]))
+    return np.asarray(6 * first / length[:, None])
 
 
 def _loads(edges: Array, mean: Array) -> Array:
@@ -172,6 +191,16 @@ def _slip_edges(weight: Array, length: Array) -> Array:
         edges[:, k] -= part
         edges[:, k + 1] += part
     return edges
+
+
+def _own_slip(row_marks: Array, slip_edges: Array) -> Array:
+    """`StripBasis.own_slip` (M,): -ln |x| integrated twice is x^2 (3 - 2 ln |x|) / 4."""
+    M = len(slip_edges)
+    here = np.arange(M)[:, None] + np.arange(4)
+    x = row_marks[here][..., None] - np.stack([row_marks[:M], row_marks[1 : M + 1]], axis=1)[:, None]
+    square = np.maximum(x**2, np.finfo(float).tiny)
+    twice = 0.25 * square * (3 - np.log(square))
+    return np.asarray(np.einsum("rk,rk->r", slip_edges, twice[..., 0] - twice[..., 1]))
 
 
 def _cell_means_of_lagrange(edges: Array, stations: Array) -> Array:

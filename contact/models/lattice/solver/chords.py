@@ -50,7 +50,7 @@ def chords(
         farthest: first step beyond which the state is of no use.
     """
     none = np.zeros(len(values), dtype=np.bool_)
-    evaluation = evaluate(values, data, factors.rho)
+    evaluation = evaluate(values, data)
     if not evaluation.inside:
         return ChordState(False, values, none, np.inf, 1, evaluation)
     step = newton_step(factors, solver, evaluation.residual)
@@ -64,7 +64,7 @@ def chords(
         trial = moved(values, step, 1.0)
         if size < tolerance:
             return ChordState(True, trial, none, size, k + 1, evaluation)
-        ahead = evaluate(trial, data, factors.rho)
+        ahead = evaluate(trial, data)
         if not ahead.inside:
             return ChordState(False, values, none, size, k + 2, evaluation)
         step = newton_step(factors, solver, ahead.residual)

@@ -15,7 +15,7 @@ from numba.extending import get_cython_function_address
 from numpy.typing import NDArray
 
 from wheelrail.contact.models.lattice.influence.basis import MOMENTS
-from wheelrail.contact.models.lattice.system.equations import Linearisation
+from wheelrail.contact.models.lattice.system.equations import SLOPES, Linearisation
 from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.support.arrays import Array, Single
 from wheelrail.support.compiled import borrowing, call, compiled
@@ -35,10 +35,9 @@ class Factors(NamedTuple):
         lu: (n, n), of the transpose, column by column.
         pivots: (n,) of LAPACK, from 1.
         rows, columns: (n,) factors from the equations' and to the unknowns' units.
-        rho: (S, M) 1/Pa of the friction residual.
         slips: (S, 2 M, n), derivatives of the slips by the unknowns, in the units of these.
-        slopes: (S, M, 12), those of the friction residual in the Jacobian.
-        present: (S, M, 12), those with which the factors are corrected, see
+        slopes: (S, M, SLOPES), those of the friction residual in the Jacobian.
+        present: (S, M, SLOPES), those with which the factors are corrected, see
             `wheelrail.contact.models.lattice.solver.renewal`.
         spread, gather: (n, r) and (r, n), the correction: steps z become z - spread (gather z).
     """
@@ -47,7 +46,6 @@ class Factors(NamedTuple):
     pivots: Integers
     rows: Array
     columns: Array
-    rho: Array
     slips: Single
     slopes: Array
     present: Array
@@ -62,18 +60,15 @@ class Factors(NamedTuple):
             raise NotConverged(SINGULAR)
         return factors
 
-    def fit(self, values: Array, block: int, cells: int) -> bool:
-        """Whether they are those of a state with values (S, block) of strips with cells, also where they are read from
-        a file.
-        """
+    def fit(self, values: Array, block: int) -> bool:
+        """Whether they are those of a state with values (S, block), also where they are read from a file."""
         n = len(values) * block
         vectors = (self.pivots, self.rows, self.columns)
         return (
             values.shape == (len(values), block)
             and self.lu.shape == (n, n)
             and all(vector.shape == (n,) for vector in vectors)
-            and self.rho.shape == (len(values), cells)
-            and self.slopes.shape == self.present.shape == (len(values), (block - MOMENTS) // 2, 12)
+            and self.slopes.shape == self.present.shape == (len(values), (block - MOMENTS) // 2, SLOPES)
             and self.slips.shape == (len(values), block - MOMENTS, n)
             and self.spread.shape == self.gather.T.shape == (n, self.spread.shape[1])
             and all(part.dtype == np.float32 for part in (self.lu, self.slips, self.spread, self.gather))
@@ -122,7 +117,7 @@ def lapack() -> Lapack:
 @compiled
 def factorised(at: Linearisation, solver: Lapack) -> tuple[bool, Factors]:
     """Factors of a Jacobian, and whether it is regular."""
-    S, n = len(at.rho), len(at.jacobian)
+    S, n = len(at.slips), len(at.jacobian)
     block = n // S
     rows, columns = np.full(n, 1 / STRESS), np.full(n, STRESS)
     for i in range(S):
@@ -140,7 +135,7 @@ def factorised(at: Linearisation, solver: Lapack) -> tuple[bool, Factors]:
     pivots, sizes = np.empty(n, dtype=np.int32), np.array([n, n, n, 0], dtype=np.int32)  # rows, columns, of lu, flag
     _factorise(solver.sgetrf, lu, pivots, sizes)
     spread, gather = np.zeros((n, 0), dtype=np.float32), np.zeros((0, n), dtype=np.float32)
-    factors = Factors(lu, pivots, rows, columns, at.rho, slips, at.slopes, at.slopes, spread, gather)
+    factors = Factors(lu, pivots, rows, columns, slips, at.slopes, at.slopes, spread, gather)
     return sizes[3] == 0, factors
 
 

@@ -10,6 +10,7 @@ from wheelrail.contact.models.lattice.solver.chords import CONTRACTION, STEPS
 from wheelrail.contact.models.lattice.solver.factors import Factors, Lapack, factorised, newton_step
 from wheelrail.contact.models.lattice.solver.renewal import renewed
 from wheelrail.contact.models.lattice.system.equations import (
+    SLOPES,
     EquationData,
     Evaluation,
     evaluate,
@@ -27,7 +28,7 @@ CONVERGED, ENTRY, LEAVES, PAUSED, OUTSIDE, SINGULAR, TOO_LONG, NOT_FINITE = rang
 
 
 class KeptFactors(NamedTuple):
-    """Factors of an earlier state, and the evaluation of the present one with their rho, if they are valid."""
+    """Factors of an earlier state, and the evaluation of the present one, if they are valid."""
 
     valid: bool
     factors: Factors
@@ -100,9 +101,8 @@ NO_FACTORS = KeptFactors(
         np.zeros(0, dtype=np.int32),
         np.zeros(0),
         np.zeros(0),
-        np.zeros((0, 0)),
         np.zeros((0, 0, 0), dtype=np.float32),
-        *(np.zeros((0, 0, 12)),) * 2,
+        *(np.zeros((0, 0, SLOPES)),) * 2,
         *(NONE,) * 2,
     ),
     Evaluation(
@@ -134,8 +134,8 @@ def iterate(
     for k in range(limits.iterations):
         exact = True
         if keeps:
-            slopes = slopes_of_friction(values, evaluation, factors.rho, data)
-            fit, factors = renewed(factors, slopes, data.basis.mean, solver)
+            slopes = slopes_of_friction(values, evaluation, data)
+            fit, factors = renewed(factors, slopes, data.rho, solver)
             exact = not fit
         event = CONVERGED
         if exact:
@@ -206,7 +206,7 @@ def _moved(
         for _ in range(HALVINGS):
             trial = moved(start, direction, factor)
             evaluations += 1
-            ahead = evaluate(trial, data, factors.rho)
+            ahead = evaluate(trial, data)
             if not ahead.inside:
                 factor *= 0.5
                 continue

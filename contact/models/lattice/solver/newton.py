@@ -75,7 +75,7 @@ class LatticeNewton:
             state: strips and unknowns.
             iterations: linearisations at most.
             farthest: longest first step, relative.
-            kept: factors of an earlier state of the same strips, and the evaluation of this one with their rho.
+            kept: factors of an earlier state of the same strips, and the evaluation of this one.
 
         Raises NotConverged, also if the first step exceeds farthest, and OutsideSurface.
         """

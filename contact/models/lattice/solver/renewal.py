@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.contact.models.lattice.solver.chords import CONTRACTION
 from wheelrail.contact.models.lattice.solver.factors import Factors, Lapack, back_substitute
 from wheelrail.support.arrays import Array, Nodes, Single
@@ -20,23 +21,23 @@ LARGEST = 0.2  # rank over unknowns: of higher ones, new factors take less time
 
 
 @compiled
-def renewed(factors: Factors, slopes: Array, mean: Array, solver: Lapack) -> tuple[bool, Factors]:
+def renewed(factors: Factors, slopes: Array, rho: Array, solver: Lapack) -> tuple[bool, Factors]:
     """Factors with the present slopes of the friction residual; the flag is False where those of no cell have changed
     since the latest ones, or those of too many since the Jacobian.
 
     Parameters:
         factors: of an earlier state of the same strips.
-        slopes: (S, M, 12), at the present state.
-        mean: (M, modes), means of the pressure modes over the cells.
+        slopes: (S, M, SLOPES), at the present state.
+        rho: (M,) 1/Pa, of the friction residual.
         solver: LAPACK's functions.
     """
-    if not len(changed_cells(factors.present, slopes, factors.rho)):
+    if not len(changed_cells(factors.present, slopes, rho)):
         return False, factors
-    cells = changed_cells(factors.slopes, slopes, factors.rho)
+    cells = changed_cells(factors.slopes, slopes, rho)
     n, rank = len(factors.rows), 2 * len(cells)
     if rank > LARGEST * n:
         return False, factors
-    change, picked = row_changes(factors, slopes, mean, cells)
+    change, picked = row_changes(factors, slopes, cells)
     back_substitute(factors, solver, picked)
     spread = np.ascontiguousarray(picked.T)
     small = np.dot(change, spread)
@@ -48,7 +49,6 @@ def renewed(factors: Factors, slopes: Array, mean: Array, solver: Lapack) -> tup
         factors.pivots,
         factors.rows,
         factors.columns,
-        factors.rho,
         factors.slips,
         factors.slopes,
         slopes,
@@ -59,21 +59,23 @@ def renewed(factors: Factors, slopes: Array, mean: Array, solver: Lapack) -> tup
 
 @compiled
 def changed_cells(before: Array, after: Array, rho: Array) -> Nodes:
-    """Numbers (k,) of the cells whose slopes (S, M, 12) have changed; rho (S, M) 1/Pa."""
-    S, M = rho.shape[0], before.shape[1]
+    """Numbers (k,) of the cells whose slopes (S, M, SLOPES) have changed; rho (M,) 1/Pa."""
+    S, M = before.shape[0], before.shape[1]
     changed = np.zeros(S * M, dtype=np.bool_)
     for i in range(S):
         for r in range(M):
-            for k in range(10):
+            for k in range(before.shape[2]):
+                if 8 <= k < 10:  # by the speed
+                    continue
                 size = abs(after[i, r, k] - before[i, r, k])
-                changed[i * M + r] |= (size * rho[i, r] if 4 <= k < 8 else size) > CHANGED
+                changed[i * M + r] |= (size * rho[r] if 4 <= k < 8 else size) > CHANGED
     return np.flatnonzero(changed)
 
 
 @compiled
-def row_changes(factors: Factors, slopes: Array, mean: Array, cells: Nodes) -> tuple[Single, Single]:
+def row_changes(factors: Factors, slopes: Array, cells: Nodes) -> tuple[Single, Single]:
     """Changes (2 k, n) of the rows of some cells (k,) in the units of `Factors`, and these rows of the unit matrix."""
-    S, M = factors.rho.shape
+    S, M = slopes.shape[0], slopes.shape[1]
     n = len(factors.rows)
     block = n // S
     change = np.zeros((2 * len(cells), n), dtype=np.float32)
@@ -91,8 +93,8 @@ def row_changes(factors: Factors, slopes: Array, mean: Array, cells: Nodes) -> t
                 row[c] = first * along[c] + second * across[c]
             row[x] += scale * d[2 * a] * factors.columns[x]
             row[y] += scale * d[2 * a + 1] * factors.columns[y]
-            for m in range(mean.shape[1]):
+            for m in range(MODES):
                 column = i * block + 2 * M + m
-                row[column] += scale * d[8 + a] * mean[r, m] * factors.columns[column]
+                row[column] += scale * d[10 + 2 * m + a] * factors.columns[column]
             picked[2 * k + a, x + a * M] = 1.0
     return change, picked

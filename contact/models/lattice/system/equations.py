@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.laws.residual_call import ResidualCode, friction_residual, friction_slopes
-from wheelrail.contact.models.lattice.influence.basis import StripBasis
+from wheelrail.contact.models.lattice.influence.basis import MODES, StripBasis
 from wheelrail.contact.models.lattice.influence.operator import StripGrid, antiderivatives, operator, slips_and_moments
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.short_strips import (
@@ -27,6 +27,8 @@ from wheelrail.contact.models.lattice.system.surface import (
 from wheelrail.support.arrays import Array, Nodes, Single
 from wheelrail.support.compiled import borrowing, compiled
 
+SLOPES = 10 + 2 * MODES  # of the friction residual of a cell, see `slopes_of_friction`
+
 
 class StripPlaces(NamedTuple):
     """Loaded strips: middle and width (S,) m, stretch (S,) length over that on the rolling circle, their longitudinal
@@ -41,7 +43,7 @@ class StripPlaces(NamedTuple):
 
 
 class EquationData(NamedTuple):
-    """Data of the equations of some strips at a pose."""
+    """Data of the equations of some strips at a pose; rho (M,) 1/Pa of the friction residual."""
 
     tables: PairTables
     surface: SurfaceData
@@ -49,6 +51,7 @@ class EquationData(NamedTuple):
     places: StripPlaces
     basis: StripBasis
     law: ResidualCode
+    rho: Array
 
 
 class Evaluation(NamedTuple):
@@ -221,28 +224,31 @@ def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> 
 
 
 @compiled
-def _by_cell(values: Array, evaluation: Evaluation) -> tuple[Array, Array, Array]:
-    """Tractions (2, S M) Pa, slips (2, S M) over the speed and pressures (S M,) Pa.
+def _by_cell(values: Array, evaluation: Evaluation, data: EquationData) -> tuple[Array, Array, Array, Array]:
+    """Tractions (2, S M) Pa, slips (2, S M) over the speed, pressures (2, S M) Pa at the ends and rho (S M,) 1/Pa.
 
     The pressure of a trial state may be negative: its bound is zero.
     """
-    S, M = evaluation.pressure.shape
-    q, s, p = np.empty((2, S * M)), np.empty((2, S * M)), np.empty(S * M)
+    (S, M), ends = evaluation.pressure.shape, data.basis.ends
+    q, s, p, rho = np.empty((2, S * M)), np.empty((2, S * M)), np.empty((2, S * M)), np.empty(S * M)
     for i in range(S):
         for r in range(M):
-            p[i * M + r] = max(evaluation.pressure[i, r], 0.0)
+            n = i * M + r
+            rho[n] = data.rho[r]
             for k in range(2):
-                q[k, i * M + r] = values[i, k * M + r]
-                s[k, i * M + r] = evaluation.slip[i, k, r]
-    return q, s, p
+                pressure = 0.0
+                for m in range(MODES):
+                    pressure += values[i, 2 * M + m] * ends[r, k, m]
+                p[k, n] = max(pressure, 0.0)
+                q[k, n], s[k, n] = values[i, k * M + r], evaluation.slip[i, k, r]
+    return q, s, p, rho
 
 
 @compiled
-def _add_friction(values: Array, evaluation: Evaluation, rho: Array, data: EquationData) -> None:
-    """Complete the residual by that of friction; rho (S, M) 1/Pa."""
+def _add_friction(values: Array, evaluation: Evaluation, data: EquationData) -> None:
+    """Complete the residual by that of friction."""
     S, M = evaluation.pressure.shape
-    q, s, p = _by_cell(values, evaluation)
-    F = friction_residual(data.law, q, s, p, rho, data.motion.speed)
+    F = friction_residual(data.law, *_by_cell(values, evaluation, data), data.motion.speed)
     for i in range(S):
         for k in range(2):
             for r in range(M):
@@ -250,24 +256,32 @@ def _add_friction(values: Array, evaluation: Evaluation, rho: Array, data: Equat
 
 
 @compiled
-def slopes_of_friction(values: Array, evaluation: Evaluation, rho: Array, data: EquationData) -> Array:
-    """Slopes (S, M, 12) of the friction residual by traction (4), slip (4), pressure (2) and speed (2); M = 0 without
-    friction.
+def slopes_of_friction(values: Array, evaluation: Evaluation, data: EquationData) -> Array:
+    """Slopes (S, M, SLOPES) of the friction residual by traction (4), slip (4), speed (2), and the pressure modes (2
+    each); M = 0 without friction.
     """
-    S, M = evaluation.pressure.shape
+    (S, M), ends = evaluation.pressure.shape, data.basis.ends
     if not data.motion.speed > 0.0:
-        return np.zeros((S, 0, 12))
-    q, s, p = _by_cell(values, evaluation)
-    slopes = friction_slopes(data.law, q, s, p, rho, data.motion.speed)
-    for n in range(len(p)):
-        if p[n] == 0.0:
-            slopes[n, 8:10] = 0.0
-    return slopes.reshape((S, M, 12))
+        return np.zeros((S, 0, SLOPES))
+    q, s, p, rho = _by_cell(values, evaluation, data)
+    at_cells = friction_slopes(data.law, q, s, p, rho, data.motion.speed)
+    slopes = np.zeros((S, M, SLOPES))
+    for i in range(S):
+        for r in range(M):
+            n, to = i * M + r, slopes[i, r]
+            at = at_cells[n]
+            to[:8], to[8:10] = at[:8], at[12:]
+            for k in range(2):
+                if p[k, n] > 0.0:
+                    for m in range(MODES):
+                        to[10 + 2 * m] += at[8 + 2 * k] * ends[r, k, m]
+                        to[11 + 2 * m] += at[9 + 2 * k] * ends[r, k, m]
+    return slopes
 
 
 @compiled
-def evaluate(values: Array, data: EquationData, rho: Array) -> Evaluation:
-    """Evaluation of a state with values (S, block); rho (S, M) 1/Pa of the friction residual."""
+def evaluate(values: Array, data: EquationData) -> Evaluation:
+    """Evaluation of a state with values (S, block)."""
     places, basis = data.places, data.basis
     grid = strip_grid(values, places, basis)
     jumps = force_jumps(values, places, basis, data.motion.speed > 0.0)
@@ -276,26 +290,13 @@ def evaluate(values: Array, data: EquationData, rho: Array) -> Evaluation:
     inside = inside and add_short_strips(data.tables, grid, split, basis, V)
     evaluation = _assembled(values, V, grid, data)
     if data.motion.speed > 0.0:
-        _add_friction(values, evaluation, rho, data)
+        _add_friction(values, evaluation, data)
     return Evaluation(inside and evaluation.inside, *evaluation[1:])
 
 
 @compiled
-def self_compliance(A: Array, strips: int, cells: int) -> Array:
-    """Slip (S, M) 1/Pa of cells by their own traction, the mean of both directions, from the operator."""
-    block = A.shape[0] // strips
-    rho, largest = np.empty((strips, cells)), 0.0
-    for i in range(strips):
-        for r in range(cells):
-            x, y = i * block + r, i * block + cells + r
-            rho[i, r] = 0.5 * (A[x, x] + A[y, y])
-            largest = max(largest, abs(rho[i, r]))
-    return np.maximum(rho, 1e-3 * largest)
-
-
-@compiled
-def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Array]:
-    """Evaluation, operator (n, n) and rho (S, M) 1/Pa of a state with values (S, block).
+def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array]:
+    """Evaluation and operator (n, n) of a state with values (S, block).
 
     Rows of the operator are slips, which `friction_rows` replaces by the friction residual, and moments.
     """
@@ -306,10 +307,9 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Arr
     inside, A, V = operator(data.tables, grid, force_jumps(values, places, basis, rolls), basis, rolls)
     split = split_jumps(values, places.width, basis, rolls)
     inside = inside and add_short_strips_derivative(data.tables, grid, split, basis, rolls, A, V)
-    rho = self_compliance(A, S, M) if rolls else np.zeros((S, M))
     evaluation = _assembled(values, V, grid, data)
     if rolls:
-        _add_friction(values, evaluation, rho, data)
+        _add_friction(values, evaluation, data)
     block, moments = values.shape[1], basis.penetration.shape[0]
     for i in range(S):
         last = (i + 1) * block
@@ -324,17 +324,16 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array, Arr
                     mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
                     A[i * block + a * M + r, last - 2] += evaluation.rigid_slope[i, a, r] * (1.0 - mark)
                     A[i * block + a * M + r, last - 1] += evaluation.rigid_slope[i, a, r] * mark
-    return Evaluation(inside and evaluation.inside, *evaluation[1:]), A, rho
+    return Evaluation(inside and evaluation.inside, *evaluation[1:]), A
 
 
 @borrowing
-def friction_rows(A: Array, D: Array, mean: Array) -> None:
+def friction_rows(A: Array, D: Array) -> None:
     """Replace the slip rows of an operator by those of the friction residual, in place.
 
     Parameters:
         A: (S block, S block).
-        D: (S, M, 12), slopes of the friction residual.
-        mean: (M, modes), means of the pressure modes over the cells.
+        D: (S, M, SLOPES), slopes of the friction residual.
     """
     S, M = D.shape[0], D.shape[1]
     block = A.shape[0] // S
@@ -352,9 +351,9 @@ def friction_rows(A: Array, D: Array, mean: Array) -> None:
             A[x, y] += d[1]
             A[y, x] += d[2]
             A[y, y] += d[3]
-            for m in range(mean.shape[1]):
-                A[x, i * block + 2 * M + m] += d[8] * mean[r, m]
-                A[y, i * block + 2 * M + m] += d[9] * mean[r, m]
+            for m in range(MODES):
+                A[x, i * block + 2 * M + m] += d[10 + 2 * m]
+                A[y, i * block + 2 * M + m] += d[11 + 2 * m]
 
 
 class Linearisation(NamedTuple):
@@ -363,14 +362,12 @@ class Linearisation(NamedTuple):
     Parameters:
         evaluation: of the residual.
         jacobian: (n, n).
-        rho: (S, M) 1/Pa, of the friction residual.
         slips: (S, 2 M, n), derivatives of the slips by the unknowns.
-        slopes: (S, M, 12), of the friction residual, see `slopes_of_friction`.
+        slopes: (S, M, SLOPES), of the friction residual, see `slopes_of_friction`.
     """
 
     evaluation: Evaluation
     jacobian: Array
-    rho: Array
     slips: Single
     slopes: Array
 
@@ -378,8 +375,8 @@ class Linearisation(NamedTuple):
 @compiled
 def linearised(values: Array, data: EquationData) -> Linearisation:
     """Linearisation of a state with values (S, block)."""
-    evaluation, A, rho = linearise(values, data)
-    slopes = slopes_of_friction(values, evaluation, rho, data)
+    evaluation, A = linearise(values, data)
+    slopes = slopes_of_friction(values, evaluation, data)
     S, M = len(values), slopes.shape[1]
     block = values.shape[1]
     slips = np.empty((S, 2 * M, len(A)), dtype=np.float32)
@@ -387,5 +384,5 @@ def linearised(values: Array, data: EquationData) -> Linearisation:
         for r in range(2 * M):
             for c in range(len(A)):
                 slips[i, r, c] = A[i * block + r, c]
-    friction_rows(A, slopes, data.basis.mean)
-    return Linearisation(evaluation, A, rho, slips, slopes)
+    friction_rows(A, slopes)
+    return Linearisation(evaluation, A, slips, slopes)

@@ -224,7 +224,7 @@ class LatticeProblem:
         key = strips.tobytes()
         if key not in self._stored:
             law = NO_FRICTION if self.law is None else self.law.code
-            data = self.surface, self.data, self.places(strips), self.basis, law
+            data = self.surface, self.data, self.places(strips), self.basis, law, self.rho
             self._stored[key] = EquationData(self.pairs(strips), *data)
         return self._stored[key]
 
@@ -232,9 +232,21 @@ class LatticeProblem:
     def _stored(self) -> dict[bytes, EquationData]:
         return {}
 
-    def evaluate(self, state: LatticeState, rho: Array) -> Evaluation:
-        """Residual of a state; rho (S, M) 1/Pa. Raises OutsideSurface."""
-        evaluation = evaluate(state.values, self.of(state.strips), rho)
+    @cached_property
+    def rho(self) -> Array:
+        """Slips (M,) 1/Pa of cells by traction on them in plane strain, those of a displacement for the deepest strip.
+
+        In a cell where the law of friction divides stick from slip, the traction varies with the slip by these.
+        """
+        size = 1.0
+        if self.shifts:
+            deepest = np.argmax(self.depth)
+            size = float(np.sqrt(8 * self.depth[deepest] / self.crest[1][deepest]))
+        return np.asarray(2 * size / (np.pi * self.tables.modulus) * self.basis.own_slip)
+
+    def evaluate(self, state: LatticeState) -> Evaluation:
+        """Residual of a state. Raises OutsideSurface."""
+        evaluation = evaluate(state.values, self.of(state.strips))
         if not evaluation.inside:
             raise OutsideSurface(TOO_LONG)
         return evaluation
