@@ -379,6 +379,16 @@ def test_frictional_power_is_what_the_bodies_lose() -> None:
     assert sum(patch.frictional_power for patch in result.patches) == pytest.approx(lost, rel=2e-2)
 
 
+def test_tangents_do_not_jump_where_cells_begin_to_slide() -> None:
+    """Over creepages at which some 15 cells begin to slide: halved steps halve the largest change of the slope."""
+    contact, place = replace(ellipse(0.3), tolerance=1e-10), hertz_pose(exact().approach)
+    changes = []
+    for count in (81, 161):
+        slopes = [contact(place, flowing(xi)).tangent()[0, 6] for xi in np.linspace(3e-4, 1.5e-3, count)]
+        changes.append(np.abs(np.diff(slopes)).max())
+    assert changes[1] < 0.65 * changes[0]
+
+
 def finer(model: Any) -> LatticeContact:
     assert isinstance(model, LatticeContact)
     return replace(model, resolution=LatticeResolution(24, 20))
