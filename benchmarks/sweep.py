@@ -66,6 +66,7 @@ class Sweep:
     Parameters:
         contact: of the wheelset.
         yaw: rad.
+        start: m, depth at which the first position is tried.
         slope: N/m, of the force by the depth, at the last position.
         path: the last positions and depths m, from which the next depth is extrapolated.
         last: result there, from which solves start.
@@ -73,6 +74,7 @@ class Sweep:
 
     contact: WheelsetContact
     yaw: float
+    start: float = 0.0
     slope: float = 1e9
     path: list[tuple[float, float]] = field(default_factory=list)
     last: ContactResult | None = None
@@ -111,6 +113,8 @@ class Sweep:
 
     def _extrapolated(self, y: float) -> float:
         """Depth m at a position, of the polynomial through those of the last ones."""
+        if not self.path:
+            return self.start
         return sum(
             depth * math.prod((y - other) / (own - other) for other, _ in self.path if other != own)
             for own, depth in self.path
@@ -208,14 +212,13 @@ class Record:
     unsolved: list[str]
 
 
-def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int, height: float = np.nan) -> Record:
+def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int, height: float = 0.0) -> Record:
     """Results at positions (m,) m with a yaw angle rad, tangents at every n-th one (0: none); height: m, of the
     wheelset at the first one, if it is known about.
     """
     m = len(positions)
-    path = [(float(positions[0]), -height)] if np.isfinite(height) else []
     run, record = (
-        Sweep(contact, yaw, path=path),
+        Sweep(contact, yaw, start=-height),
         Record(np.full((m, 6), np.nan), np.full(m, np.nan), [], [], [], [], []),
     )
     start = perf_counter()
@@ -270,7 +273,10 @@ def against_finer(finer: WheelsetContact, record: Record, positions: Array, yaw:
     print("|---|---|---|---|---|---|---|")
     for first, last in beyond(ratio):
         start = max(first - NEAR - 1, 0)
-        near = sweep(finer, positions[start : last + NEAR + 2], yaw, 0, record.height[start]).wrench / scale
+        near = (
+            sweep(finer, positions[start : last + NEAR + 2], yaw, 0, float(np.nan_to_num(record.height[start]))).wrench
+            / scale
+        )
         curvature = np.full(second.shape, np.nan)
         curvature[start + 1 : start + len(near) - 1] = np.abs(np.diff(near, 2, axis=0))
         own = slice(first, last + 1)
