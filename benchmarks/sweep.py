@@ -217,10 +217,8 @@ def sweep(contact: WheelsetContact, positions: Array, yaw: float, tangents: int,
     wheelset at the first one, if it is known about.
     """
     m = len(positions)
-    run, record = (
-        Sweep(contact, yaw, start=-height),
-        Record(np.full((m, 6), np.nan), np.full(m, np.nan), [], [], [], [], []),
-    )
+    run = Sweep(contact, yaw, start=-height)
+    record = Record(np.full((m, 6), np.nan), np.full(m, np.nan), [], [], [], [], [])
     start = perf_counter()
     for i, y in enumerate(positions.tolist()):
         began = perf_counter()
