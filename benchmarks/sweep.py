@@ -12,8 +12,7 @@ these ratios once more, where they are above one, with the second differences of
 curvature of the function, which may change within less than eight times the distance; the largest
 difference between solves that start from earlier results and from none; and, at every n-th position, changes of force
 and moment over some distances to either side along every coordinate, against the integral of the tangent between, over
-the largest entry of its row: apart where no strip comes or goes and no cell begins or ends to stick between, as the
-force has a kink where one does.
+the largest entry of its row: apart where no strip comes or goes between, as the force has a kink where one does.
 """
 
 from __future__ import annotations
@@ -133,8 +132,7 @@ class Sweep:
     def tangent_errors(self, y: float, state: WheelsetState, result: ContactResult) -> list[TangentError]:
         """Errors of the tangent near a state at y m along all coordinates. Raises Unsolved."""
         tangent, here = self.contact.tangent(state, "left", result), _wrench(result)
-        laws = self.contact.model.laws
-        before, errors = _regime(result, laws), []
+        before, errors = _loaded(result), []
         rates = np.array([name.endswith("rate") for name in state.coordinates])
         for k, name in enumerate(state.coordinates):
             own = rates if rates[k] else ~rates
@@ -147,7 +145,7 @@ class Sweep:
                     for place, weight in zip([*(0.5 + 0.5 * PLACES), 1.0], [*(0.5 * WEIGHTS), 0.0], strict=True):
                         ahead = replace(state, **{name: getattr(state, name) + place * h})
                         found = self.solved(ahead, result)
-                        kinks = kinks or _regime(found, laws) != before
+                        kinks = kinks or _loaded(found) != before
                         if weight:
                             mean += weight * self.contact.tangent(ahead, "left", found)[:, k]
                     off = np.abs((_wrench(found) - here) / h - mean)
@@ -163,7 +161,7 @@ class TangentError(NamedTuple):
         y: m, position.
         coordinate: its name.
         distance, change: m or rad, nominal, and the signed change of the coordinate.
-        kinks: whether strips come or go, or cells begin or end to stick, within it.
+        kinks: whether strips come or go within it.
         error: of the mean tangent, over the largest entry of a row.
     """
 
@@ -175,14 +173,11 @@ class TangentError(NamedTuple):
     error: float
 
 
-def _regime(result: ContactResult, laws: ContactLaws) -> tuple[tuple[bytes, ...], bytes]:
-    """Loaded strips of all levels and sticking cells: while they are the same, the force is smooth."""
-    start, fields = result.warm_start, result.fields
-    assert fields is not None
+def _loaded(result: ContactResult) -> tuple[bytes, ...]:
+    """Loaded strips of all levels: while they are the same, the tangent is continuous."""
+    start = result.warm_start
     solutions = start.solutions if isinstance(start, LevelSolutions) else (start,)
-    loaded = tuple(one.state.strips.tobytes() for one in solutions if isinstance(one, LatticeSolution))
-    bound = laws.friction_bound(fields.pressure, np.hypot(*fields.slip.T), SPEED)
-    return loaded, (np.hypot(*fields.traction.T) < (1 - 1e-6) * bound).tobytes()
+    return tuple(one.state.strips.tobytes() for one in solutions if isinstance(one, LatticeSolution))
 
 
 def _wrench(result: ContactResult) -> Array:
