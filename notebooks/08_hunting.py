@@ -95,11 +95,11 @@ growth.round(3)
 #
 # The growth rate vanishes at the critical speed. With elastic bodies the slope of the force ripples with the place of
 # the strips on the wheel: at 8 strips the steering moment by a lateral displacement has a standard deviation of 8 %,
-# and the critical speed one of 2.2 m/s. The ripple has the period of a strip, so that the mean over places evenly
-# spaced within a strip is that of narrower ones: 82.4, 82.1, 82.3, 82.1 and 82.2 m/s from 8 places each of 8 x 10,
-# 12 x 16, 16 x 20, 24 x 20 and 32 x 20 strips and cells, with standard deviations of 2.2, 1.7, 1.1, 0.5 and 0.4 m/s at
-# a single place. Lines of the bodies' meshes from 0.5 to 1.4 mm apart change the mean by 0.1 m/s. The converged value
-# is 82.2 m/s within 0.3 m/s.
+# and the critical speed one of 2.3 m/s. The ripple has the period of a strip, so that the mean over places evenly
+# spaced within a strip is that of narrower ones: 82.3, 82.2, 82.1 and 82.1 m/s from 8 places each of 8 x 10, 12 x 16,
+# 16 x 20 and 24 x 20 strips and cells, with standard deviations of 2.3, 1.8, 1.1 and 0.5 m/s at a single place. Lines
+# of the bodies' meshes from 0.5 to 1.4 mm apart change the mean by 0.1 m/s. The converged value is 82.1 m/s within 0.3
+# m/s.
 
 
 # %%
