@@ -1,7 +1,8 @@
 """Law of friction in the cells of strips: residual and its slopes, from the compiled functions of the law in UFL.
 
-F = q - b y / max(|y|, b rho + eps), y = rho q - s, b = mu(|s| V, p) p, see `wheelrail.contact.laws.pointwise`. Slips s
-are over the rolling speed V. Pressures of a trial state may be negative: their bound is zero.
+F is the mean of q - b y / max(|y|, b rho + eps), y = rho q - s, b = mu(|s| V, p) p, over a pressure p that varies
+linearly in the cell (`wheelrail.forms.traction.mean_projected`). Slips s are over the rolling speed V. Pressures of a
+trial state may be negative: their bound is zero.
 """
 
 from __future__ import annotations
