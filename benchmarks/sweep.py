@@ -266,10 +266,8 @@ def against_finer(finer: WheelsetContact, record: Record, positions: Array, yaw:
     print("|---|---|---|---|---|---|---|")
     for first, last in beyond(ratio):
         start = max(first - NEAR - 1, 0)
-        near = (
-            sweep(finer, positions[start : last + NEAR + 2], yaw, 0, float(np.nan_to_num(record.height[start]))).wrench
-            / scale
-        )
+        height = float(np.nan_to_num(record.height[start]))
+        near = sweep(finer, positions[start : last + NEAR + 2], yaw, 0, height).wrench / scale
         curvature = np.full(second.shape, np.nan)
         curvature[start + 1 : start + len(near) - 1] = np.abs(np.diff(near, 2, axis=0))
         own = slice(first, last + 1)

@@ -132,7 +132,6 @@ def _points(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws
         "axes": (("point", "direction", "axis"), joined("axes", 3, 3), axes),
         "area": ("point", joined("area"), means("m2", "area of the cell of the point, times its share")),
         "step": ("point", joined("step"), step),
-        "width": ("point", joined("width"), means("m", "width of the cell of the point across the rolling direction")),
         "penetration": ("point", joined("penetration"), means("m", "penetration of the undeformed bodies")),
         "pressure": ("point", joined("pressure"), means("Pa", "contact pressure")),
         "traction": (("point", "tangent"), joined("traction", 2), means("Pa", "tangential traction on the wheel")),

@@ -82,11 +82,13 @@ class PatchCells:
     def of(cls, data: Dataset, side: str, patch: int) -> PatchCells:
         """Cells of a Dataset of `wheelrail.scenes.datasets.contact`, with true lengths in the contact plane."""
         of_patch = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
+        largest = 1.0
         if "share" in data:  # strips of two widths: those with the larger share
             share = np.where(of_patch, data["share"].values, 0.0)
-            of_patch &= share == share.max()
-        point, axes, pressure, area, step, width = (
-            data[name].values[of_patch] for name in ("position", "axes", "pressure", "area", "step", "width")
+            largest = share.max()
+            of_patch &= share == largest
+        point, axes, pressure, area, step = (
+            data[name].values[of_patch] for name in ("position", "axes", "pressure", "area", "step")
         )
         weight = pressure * area
         up = -(weight @ axes[:, 2])
@@ -94,7 +96,7 @@ class PatchCells:
         forward = np.array([1.0, 0.0, 0.0]) - up[0] * up
         forward /= np.linalg.norm(forward)
         plane = np.column_stack([forward, np.cross(up, forward)])
-        half = 0.5 * np.stack([step, width], axis=1)[..., None] * axes[:, :2]
+        half = 0.5 * np.stack([step, area / (step * largest)], axis=1)[..., None] * axes[:, :2]
         signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
         middle = point - weight @ point / weight.sum()
         corners = (middle[:, None] + np.einsum("ks,nsc->nkc", signs, half)) @ plane
