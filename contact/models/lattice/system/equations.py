@@ -206,7 +206,7 @@ def resultants(values: Array, data: EquationData) -> Array:
 
 @compiled
 def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> Evaluation:
-    """Evaluation from the antiderivative V of the displacements; the friction residual needs rho."""
+    """Evaluation from the antiderivative V of the displacements, without the residual of friction."""
     basis, motion = data.basis, data.motion
     S, M = len(values), len(basis.marks) - 1
     rolls = motion.speed > 0.0
