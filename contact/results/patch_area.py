@@ -14,25 +14,25 @@ SHARE = 0.25 * np.pi * WEIGHT * np.sin(0.5 * np.pi * (PLACE + 1))
 
 
 @compiled
-def patch_area(length: Array, bounds: Array) -> float:
+def patch_area(square: Array, bounds: Array) -> float:
     """Area m2 of S adjacent strips.
 
     Parameters:
-        length: (S,) m.
+        square: (S,) m2, of their lengths.
         bounds: (S + 1,) m, lateral bounds of the strips.
 
-    The square of the length is a parabola for an ellipse, and that of a strip its mean over the width, beyond the
-    lateral end of the contact too. It is interpolated by parabolas with these means; the contact ends at their root in
-    an outer strip, or in the unloaded one next to it.
+    The square of the length is a parabola for an ellipse, and that of a strip its mean over the width, continued beyond
+    the lateral end of the contact, where it is negative. It is interpolated by parabolas with these means; the contact
+    ends at their root in an outer strip, or in the unloaded one next to it.
     """
-    S, total = len(length), 0.0
+    S, total = len(square), 0.0
     if S < 3:
         for i in range(S):
-            total += length[i] * (bounds[i + 1] - bounds[i])
+            total += np.sqrt(max(square[i], 0.0)) * (bounds[i + 1] - bounds[i])
         return total
     for i in range(S):
         first, middle = min(max(i - 1, 0), S - 3), 0.5 * (bounds[i] + bounds[i + 1])
-        a, b, c = _parabola(length[first : first + 3], bounds[first : first + 4], middle)
+        a, b, c = _parabola(square[first : first + 3], bounds[first : first + 4], middle)
         half = 0.5 * (bounds[i + 1] - bounds[i])
         low = -_end(a, -b, c, half) if i == 0 else -half
         high = _end(a, b, c, half) if i == S - 1 else half
@@ -43,14 +43,14 @@ def patch_area(length: Array, bounds: Array) -> float:
 
 
 @borrowing
-def _parabola(length: Array, bounds: Array, origin: float) -> tuple[float, float, float]:
-    """Coefficients of y^2, y, 1 of the parabola whose means over three strips are the squares of their lengths (3,) m,
-    between bounds (4,) m; y is the distance from an origin. Its integral interpolates sums: divided differences.
+def _parabola(square: Array, bounds: Array, origin: float) -> tuple[float, float, float]:
+    """Coefficients of y^2, y, 1 of the parabola whose means over three strips are squares (3,) m2, between bounds
+    (4,) m; y is the distance from an origin. Its integral interpolates sums: divided differences.
     """
     s0, s1, s2, s3 = bounds[0] - origin, bounds[1] - origin, bounds[2] - origin, bounds[3] - origin
-    first = length[0] * length[0]
-    rise = (length[1] * length[1] - first) / (s2 - s0)
-    bend = ((length[2] * length[2] - length[1] * length[1]) / (s3 - s1) - rise) / (s3 - s0)
+    first = square[0]
+    rise = (square[1] - first) / (s2 - s0)
+    bend = ((square[2] - square[1]) / (s3 - s1) - rise) / (s3 - s0)
     slope = 2.0 * (rise - bend * (s0 + s1 + s2))
     return 3.0 * bend, slope, first - rise * (s0 + s1) + bend * (s0 * s1 + s0 * s2 + s1 * s2)
 

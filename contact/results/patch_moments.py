@@ -17,16 +17,24 @@ from wheelrail.support.compiled import borrowing, compiled
 HALF_ELLIPSE = 32 / (3 * np.pi**2)  # length times integral of the square over square of the integral
 
 
-def sharpened(result: ContactResult, layout: StripLayout, margin: Array) -> ContactResult:
+def sharpened(result: ContactResult, layout: StripLayout, margin: Array, touching: Array) -> ContactResult:
     """The result with semi-axes, area and stick area interpolated within cells.
 
-    margin (n,) Pa: from the traction to the largest possible one, zero under slip.
+    Parameters:
+        result: on strips.
+        layout: of the strips.
+        margin: (n,) Pa, from the traction to the largest possible one, zero under slip.
+        touching: (S,) squared length, continued beyond the end of the contact, over that of the strip.
     """
     assert result.fields is not None
-    return replace(result, patches=LazyPatches(partial(_sharpened, result.patches, result.fields, layout, margin)))
+    return replace(
+        result, patches=LazyPatches(partial(_sharpened, result.patches, result.fields, layout, margin, touching))
+    )
 
 
-def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, margin: Array) -> tuple[Patch, ...]:
+def _sharpened(
+    patches: Sequence[Patch], fields: Fields, layout: StripLayout, margin: Array, touching: Array
+) -> tuple[Patch, ...]:
     p, area, left = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area, margin))
     labels, edges, width = fields.patch.reshape(p.shape).max(axis=1), layout.edges, layout.width
     corrected = []
@@ -39,9 +47,9 @@ def _sharpened(patches: Sequence[Patch], fields: Fields, layout: StripLayout, ma
             spread(p[own], x, layout.marks),
             lateral_spread(load.sum(axis=1) * width[own], layout.middle[own], width[own]),
         )
-        strips = area[own].sum(axis=1) / width[own]
-        smooth = patch_area(strips, sides)
-        sticks = stick_area(strips * stick_lengths(left[own], lengths) / lengths.sum(axis=1), sides)
+        square = (area[own].sum(axis=1) / width[own]) ** 2 * touching[own]
+        smooth = patch_area(square, sides)
+        sticks = stick_area(square * (stick_lengths(left[own], lengths) / lengths.sum(axis=1)) ** 2, sides)
         corrected.append(replace(patch, semi_axes=axes, area=smooth, stick_area=min(sticks, smooth), strips=len(own)))
     return tuple(corrected)
 
@@ -68,12 +76,14 @@ def stick_lengths(margin: Array, length: Array) -> Array:
 
 
 @compiled
-def stick_area(lengths: Array, bounds: Array) -> float:
-    """Area m2 of stick zones from their lengths (S,) m in adjacent strips with lateral bounds (S + 1,) m."""
+def stick_area(square: Array, bounds: Array) -> float:
+    """Area m2 of stick zones from the squares (S,) m2 of their lengths in adjacent strips, zero where they slip, with
+    lateral bounds (S + 1,) m.
+    """
     total, first = 0.0, 0
-    for i in range(len(lengths) + 1):
-        if i == len(lengths) or lengths[i] <= 0.0:
-            total += patch_area(lengths[first:i], bounds[first : i + 1])
+    for i in range(len(square) + 1):
+        if i == len(square) or square[i] == 0.0:
+            total += patch_area(square[first:i], bounds[first : i + 1])
             first = i + 1
     return total
 

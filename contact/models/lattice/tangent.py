@@ -26,6 +26,7 @@ from wheelrail.contact.models.lattice.system.equations import (
     strip_grid,
 )
 from wheelrail.contact.models.lattice.system.equations import rigid_slip as rigid_slip_of
+from wheelrail.contact.models.lattice.system.partial_width import opening_changes, partial_width_changes
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import GAUSS, crest_changes, frames
 from wheelrail.contact.solvers.tangent import co_moving_load
@@ -70,6 +71,26 @@ class LatticeTangent:
             total += 0.5 * at.depth.reshape(total.shape)
         return total
 
+    def _opening(self) -> Array:
+        """Derivative (S, 6) by the pose of the gaps of strips that touch on a part of their width, at fixed unknowns."""
+        problem, state = self.problem, self.solution.state
+        lines, places, load = problem.lines, problem.places(state.strips), state.load
+        total, part = np.zeros((len(load), 6)), load < places.whole
+        if not part.any():
+            return total
+        own = state.strips[part]
+        near = own[:, None] + np.array([-1, 0, 1])
+        change = np.zeros((*near.shape, 6))
+        for side in (-GAUSS, GAUSS):
+            s = problem.middle[near] + side * problem.width[near]
+            change += 0.5 * problem.penetration_changes(s.ravel(), lines.x[near].ravel()).depth.reshape(change.shape)
+        onset, whole = partial_width_changes(
+            lines.depth[near], lines.curvature[own], problem.middle[near], problem.width[own], change
+        )
+        by_onset, by_whole = opening_changes(load[part], places.onset[part], places.whole[part])
+        total[part] = by_onset[:, None] * onset + by_whole[:, None] * whole
+        return total
+
     def _by_pose(self, at: Linearisation) -> Array:
         """Derivative (n, CHANGES) of the residual at fixed unknowns."""
         problem, state = self.problem, self.solution.state
@@ -80,6 +101,7 @@ class LatticeTangent:
         total[:, -MOMENTS:, :6] = np.einsum("kg,sgj->skj", problem.basis.penetration, depth)
         slips, moments = self._by_compliance()
         total[:, -MOMENTS:, :6] += moments
+        total[:, -MOMENTS, :6] += self._opening()
         if problem.rolls:
             shift, speed = self._rigid()
             rigid, _ = rigid_slip_of(state.values, problem.of(state.strips))

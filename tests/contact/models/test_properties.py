@@ -168,7 +168,7 @@ def test_power_balance_of_full_sliding(ratio: float, depth: float, mu: float, xi
 
 @pytest.mark.parametrize("ratio", [0.4, 1.0])
 def test_force_is_the_slope_of_the_elastic_energy(ratio: float) -> None:
-    """dE/d(approach) = F without friction, but for the cells: 2.2e-3 at 12, and with the order 2.1 of their number."""
+    """dE/d(approach) = F without friction, but for the cells: 2.4e-3 at 12, and with the order 2.1 of their number."""
     numbers, error = np.array([6, 8, 12, 16]), []
     for cells in numbers:
         model, depth = frictionless(ratio, cells=int(cells)), 3e-5
@@ -176,7 +176,7 @@ def test_force_is_the_slope_of_the_elastic_energy(ratio: float) -> None:
         slope = (elastic_energy(above) - elastic_energy(below)) / (0.04 * depth)
         # of d^(5/2) the central difference is too large by 5e-5
         error.append(slope / 1.00005 / float(here.force[2]) - 1)
-    assert (np.abs(error) < 2.2e-3 * (12 / numbers) ** 2.1).all()
+    assert (np.abs(error) < 2.4e-3 * (12 / numbers) ** 2.1).all()
 
 
 @pytest.mark.parametrize("ratio", [0.4, 1.0])

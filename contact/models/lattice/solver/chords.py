@@ -58,10 +58,10 @@ def chords(
     if not size < farthest:
         return ChordState(False, values, none, size, 1, evaluation)
     for k in range(STEPS):
-        leaves = leaving(values, step, size)
+        leaves = leaving(values, step, size, data.places.whole)
         if longest(values, step) < 1.0 or leaves.any():
             return ChordState(False, values, leaves, size, k + 1, evaluation)
-        trial = moved(values, step, 1.0)
+        trial = moved(values, step, 1.0, data.places.whole)
         if size < tolerance:
             return ChordState(True, trial, none, size, k + 1, evaluation)
         ahead = evaluate(trial, data)

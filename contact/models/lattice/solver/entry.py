@@ -1,4 +1,4 @@
-"""Strips that enter: unloaded ones whose surfaces would still penetrate beside the loaded ones."""
+"""Strips that enter: unloaded ones whose surfaces would still penetrate at an edge beside the loaded ones."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from wheelrail.contact.models.lattice.solver.remaining import (
     excess,
     search,
 )
+from wheelrail.contact.models.lattice.system.partial_width import pressed
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.solvers.active_set import normal_contact
@@ -27,6 +28,7 @@ from wheelrail.support.arrays import Array, Nodes
 FIRST = equal_cells(6)  # along an unloaded strip, to find where its maximum is
 PROBES = equal_cells(12)  # around the maximum
 EXCESS = 1e-7  # of the approach: least penetration of a strip that enters
+TOUCHES = 1e-3  # of the onset: the load of the strip is 2e-7 of that on its whole width
 UNCERTAIN = 1e-5  # of the approach: penetration that a strip may leave unloaded, where it cannot stay loaded either
 MARGIN = 1.5  # half length of the cells of a strip that enters over that of a parabola of its remaining penetration
 WIDENINGS = 4  # of these cells until they cover the remaining penetration
@@ -56,7 +58,7 @@ def entering(
     Raises OutsideSurface, NotConverged.
     """
     new = penetrating(problem, state, barred, least)
-    return _pressed(problem, state, new) if len(new.strips) else None
+    return _entered(problem, state, new) if len(new.strips) else None
 
 
 def penetrating(problem: LatticeProblem, state: LatticeState, barred: set[int], least: float = EXCESS) -> Overlaps:
@@ -64,7 +66,7 @@ def penetrating(problem: LatticeProblem, state: LatticeState, barred: set[int], 
     rest = _remaining(problem, state, barred)
     if not rest.inside:
         raise OutsideSurface(TOO_LONG)
-    enters = rest.depth > least * problem.approach
+    enters = rest.depth > least * problem.approach + TOUCHES * problem.lines.onset[rest.strips]
     if not enters.any():
         return NO_OVERLAPS
     half = np.minimum(MARGIN * np.sqrt(2 * rest.depth[enters] / rest.curvature[enters]), rest.half[enters])
@@ -96,10 +98,10 @@ def remaining_penetration(
 
 
 def _probes(problem: LatticeProblem) -> Probes:
-    return Probes(problem.middle, problem.width, problem.tables.stretch, FIRST, PROBES)
+    return Probes(problem.middle, problem.width, problem.tables.stretch, problem.lines.onset, FIRST, PROBES)
 
 
-def _pressed(problem: LatticeProblem, state: LatticeState, overlaps: Overlaps) -> LatticeState | None:
+def _entered(problem: LatticeProblem, state: LatticeState, overlaps: Overlaps) -> LatticeState | None:
     """Strips under their remaining penetration, by complementarity on cells, while the loaded strips do not change."""
     new, (low, high) = overlaps.strips, overlaps.ends.T
     for widening in range(WIDENINGS):
@@ -118,4 +120,17 @@ def _pressed(problem: LatticeProblem, state: LatticeState, overlaps: Overlaps) -
         raise OutsideSurface(TOO_LONG)
     pressure, _ = normal_contact(matrix, depth.ravel(), depth.ravel() > 0, IterationCount())
     cells = pressure.reshape(depth.shape)
-    return state_of_cells(problem, new, np.column_stack([low, high]), cells, np.zeros((2, *cells.shape)))
+    entered = state_of_cells(problem, new, np.column_stack([low, high]), cells, np.zeros((2, *cells.shape)))
+    return None if entered is None else _on_part(problem, entered, depth[np.isin(new, entered.strips)].max(axis=1))
+
+
+def _on_part(problem: LatticeProblem, state: LatticeState, depth: Array) -> LatticeState:
+    """Strips under the load on the touching part of their width, from that under a penetration (S,) m of all of it."""
+    places = problem.places(state.strips)
+    varies = places.whole > 0
+    share = np.sqrt(np.divide(state.load, places.whole, out=np.ones(len(varies)), where=varies))
+    touching = pressed(depth, depth / share**2, places.onset)
+    scale = np.where(varies, touching / share, 1.0)[:, None]
+    middle = state.ends.mean(axis=1)[:, None]
+    values = np.hstack([scale * state.values[:, :-2], middle + scale * (state.ends - middle)])
+    return LatticeState(state.strips, values)

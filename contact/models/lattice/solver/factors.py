@@ -92,7 +92,8 @@ class Factors(NamedTuple):
             solution += change
         if (np.abs(change).max(axis=0) <= REFINED * np.abs(solution).max(axis=0)).all():
             return solution
-        return np.linalg.solve(jacobian, right)
+        scaled = self.rows[:, None] * jacobian * self.columns  # pivots of unscaled equations lose several digits
+        return np.asarray(self.columns[:, None] * np.linalg.solve(scaled, self.rows[:, None] * right))
 
     def _solution(self, right: Array) -> Array:
         """Solution (n, k) in single precision."""

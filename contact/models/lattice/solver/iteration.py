@@ -157,7 +157,7 @@ def iterate(
             elif k == 0 and size > limits.farthest:
                 event = TOO_LONG
             else:
-                leaves = leaving(values, step, size)
+                leaves = leaving(values, step, size, data.places.whole)
                 if leaves.any():
                     event = LEAVES
         if event == CONVERGED:
@@ -169,7 +169,7 @@ def iterate(
                 size, _ = relative_size(values, ahead.step)
                 keeps = exact or size < RENEWED * before
                 if size < limits.tolerance and (exact or ahead.contracts):
-                    values = moved(values, ahead.step, 1.0)
+                    values = moved(values, ahead.step, 1.0, data.places.whole)
                 elif size < NEAR and not entered:
                     event = ENTRY
                 else:
@@ -204,7 +204,7 @@ def _moved(
         start, direction = values, step
         inside = False
         for _ in range(HALVINGS):
-            trial = moved(start, direction, factor)
+            trial = moved(start, direction, factor, data.places.whole)
             evaluations += 1
             ahead = evaluate(trial, data)
             if not ahead.inside:
@@ -222,6 +222,6 @@ def _moved(
             return Moved(False, values, step, False, evaluation, evaluations)
         size, _ = relative_size(values, step)
         contracts = factor == 1.0 and best < CONTRACTION * before
-        if size < tolerance or not contracts or leaving(values, step, size).any():
+        if size < tolerance or not contracts or leaving(values, step, size, data.places.whole).any():
             break
     return Moved(True, values, step, contracts, evaluation, evaluations)

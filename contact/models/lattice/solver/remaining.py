@@ -48,12 +48,14 @@ class Probes(NamedTuple):
     Parameters:
         middle, width: (K,) m, of all strips of the lattice.
         stretch: (K,).
+        onset: (K,) m, mean gap at which they begin to touch.
         first, second: equal cells along the probed range, for an estimate, and along the part around its maximum.
     """
 
     middle: Array
     width: Array
     stretch: Array
+    onset: Array
     first: StripBasis
     second: StripBasis
 
@@ -62,9 +64,9 @@ class Probes(NamedTuple):
 def excess(
     values: Array, data: EquationData, probes: Probes, basis: StripBasis, strips: Nodes, low: Array, high: Array
 ) -> tuple[bool, Array]:
-    """Remaining penetration (n, C) m, means over the cells of a basis from low to high (n,) m along strips (n,) that
-    are not loaded; values (S, block) of the loaded ones. The flag is as in `Remaining`; beyond the lower body it is
-    -inf.
+    """Remaining penetration (n, C) m at the edge where strips (n,) that are not loaded begin to touch, means over the
+    cells of a basis from low to high (n,) m along them; values (S, block) of the loaded ones. The flag is as in
+    `Remaining`; beyond the lower body it is -inf.
     """
     motion = data.motion
     n, C, count = len(strips), len(basis.marks) - 1, len(basis.stations)
@@ -91,6 +93,7 @@ def excess(
         for r in range(C):
             for m in range(2 * count):
                 total[i, r] += 0.5 * basis.cell_penetration[r, m % count] * depth[2 * i * count + m]
+            total[i, r] += probes.onset[strips[i]]
             if not np.isfinite(total[i, r]):
                 total[i, r] = -np.inf
     return inside, total

@@ -15,6 +15,7 @@ from wheelrail.contact.models.lattice.influence.short_strips import (
     add_short_strips_derivative,
     split_jumps,
 )
+from wheelrail.contact.models.lattice.system.partial_width import opening
 from wheelrail.contact.models.lattice.system.surface import (
     GAUSS,
     Motion,
@@ -32,7 +33,8 @@ SLOPES = 10 + 2 * MODES  # of the friction residual of a cell, see `slopes_of_fr
 
 class StripPlaces(NamedTuple):
     """Loaded strips: middle and width (S,) m, stretch (S,) length over that on the rolling circle, their longitudinal
-    axes (S, 3) where the surfaces touch, and their numbers (S,) on the lattice.
+    axes (S, 3) where the surfaces touch, their numbers (S,) on the lattice, onset (S,) m of contact, and the load
+    (S,) Pa m, amplitude times half length, from which they touch on their whole width.
     """
 
     middle: Array
@@ -40,6 +42,8 @@ class StripPlaces(NamedTuple):
     stretch: Array
     level: Array
     strip: Nodes
+    onset: Array
+    whole: Array
 
 
 class EquationData(NamedTuple):
@@ -207,7 +211,7 @@ def resultants(values: Array, data: EquationData) -> Array:
 @compiled
 def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> Evaluation:
     """Evaluation from the antiderivative V of the displacements, without the residual of friction."""
-    basis, motion = data.basis, data.motion
+    basis, motion, places = data.basis, data.motion, data.places
     S, M = len(values), len(basis.marks) - 1
     rolls = motion.speed > 0.0
     slip, moments = slips_and_moments(V, grid, basis)
@@ -220,6 +224,9 @@ def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> 
     if rolls:
         rigid, rigid_slope = rigid_slip(values, data)
         slip += rigid
+    for i in range(S):
+        load = 0.5 * values[i, at] * (values[i, -1] - values[i, -2])
+        residuals[i, at] += opening(load, places.onset[i], places.whole[i])[0]
     return Evaluation(inside, residuals, V, pressure, slip, rigid_slope, depth_slope)
 
 
@@ -318,6 +325,11 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array]:
                 part = basis.penetration[k, g] * evaluation.depth_slope[i, g]
                 A[last - moments + k, last - 2] += part * (1.0 - basis.stations[g])
                 A[last - moments + k, last - 1] += part * basis.stations[g]
+        amplitude, half = values[i, -2 - MODES], 0.5 * (values[i, -1] - values[i, -2])
+        slope = opening(amplitude * half, places.onset[i], places.whole[i])[1]
+        A[last - moments, last - 2 - MODES] += slope * half
+        A[last - moments, last - 2] -= 0.5 * slope * amplitude
+        A[last - moments, last - 1] += 0.5 * slope * amplitude
         if rolls:
             for a in range(2):
                 for r in range(M):

@@ -203,7 +203,9 @@ class LatticeProblem:
     def places(self, strips: Nodes) -> StripPlaces:
         """Places of some strips (S,)."""
         width, stretch = self.width[strips], self.tables.stretch[strips]
-        return StripPlaces(self.middle[strips], width, stretch, self.lines.level[strips], strips)
+        level, onset = self.lines.level[strips], self.lines.onset[strips]
+        whole = self.lines.whole[strips] * self.tables.modulus / stretch
+        return StripPlaces(self.middle[strips], width, stretch, level, strips, onset, whole)
 
     @cached_property
     def _means(self) -> PoseMeans:

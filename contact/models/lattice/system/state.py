@@ -51,6 +51,11 @@ class LatticeState:
         """Half lengths (S,) m."""
         return np.asarray(0.5 * (self.values[:, -1] - self.values[:, -2]))
 
+    @property
+    def load(self) -> Array:
+        """Amplitude times half length (S,) Pa m, proportional to the load per width."""
+        return np.asarray(self.half * self.modes[:, 0])
+
     def at(self, chosen: Mask) -> LatticeState:
         """Those strips of a mask (S,)."""
         return LatticeState(self.strips[chosen], self.values[chosen])
@@ -61,29 +66,42 @@ class LatticeState:
         order = np.argsort(strips)
         return LatticeState(strips[order], np.concatenate([self.values, other.values])[order])
 
-    def moved(self, step: Array, factor: float) -> LatticeState:
-        """The state after a fraction of a Newton step (S, block)."""
-        return LatticeState(self.strips, moved(self.values, step, factor))
-
 
 @compiled
-def moved(values: Array, step: Array, factor: float) -> Array:
-    """Values (S, block) after a fraction of a step.
+def moved(values: Array, step: Array, factor: float, whole: Array) -> Array:
+    """Values (S, block) after a fraction of a step; whole (S,) Pa m, loads on the whole width.
 
-    The steps are taken in the squared half length and in loads per width, in which the birth of a strip is nearly
-    linear: both are proportional to the penetration in excess.
+    The steps are taken in the squared half length and in loads per width, or in their roots where a strip touches on a
+    part of its width: these are nearly linear in the penetration in excess.
     """
     new = np.empty_like(values)
     last = values.shape[1] - 1
+    first = last - 1 - MODES
     for i in range(len(values)):
         half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
-        new_half = np.sqrt(max(half * half + 2 * factor * half * change, SHORTEST * half * half))
+        load, rise = values[i, first] * half, factor * change / half
         middle = 0.5 * (values[i, last] + values[i, last - 1] + factor * (step[i, last] + step[i, last - 1]))
+        if load < whole[i]:
+            new_half = half * max(1.0 + rise, np.sqrt(SHORTEST))
+            for k in range(last - 1):
+                new[i, k] = values[i, k] + factor * step[i, k]
+        else:
+            new_half = half * np.sqrt(max(_remaining(1.0 + 2.0 * rise, load, whole[i]), SHORTEST))
+            for k in range(last - 1):
+                new[i, k] = (values[i, k] * (half + factor * change) + factor * step[i, k] * half) / new_half
+            after = new[i, first] * new_half / load
+            new[i, first] = load * _remaining(after, load, whole[i]) / new_half
         new[i, last - 1], new[i, last] = middle - new_half, middle + new_half
-        for k in range(last - 1):
-            load = values[i, k] * half + factor * (step[i, k] * half + values[i, k] * change)
-            new[i, k] = load / new_half
     return new
+
+
+@borrowing
+def _remaining(factor: float, load: float, whole: float) -> float:
+    """Factor of a load that touches on the whole width: its square root falls where it ends up below that."""
+    if load * factor >= whole:
+        return factor
+    root = 0.5 + 0.5 * max(load * factor / whole, -1.0)
+    return root * root * whole / load
 
 
 @borrowing
@@ -109,20 +127,24 @@ def relative_size(values: Array, step: Array) -> tuple[float, float]:
 
 
 @compiled
-def leaving(values: Array, step: Array, size: float) -> Mask:
-    """Strips (S,) that leave by a step of a relative size: with negative load or squared half length after a full step,
-    if it is a moderate one, as a step from a poor start overshoots, or if they have nearly vanished.
+def leaving(values: Array, step: Array, size: float, whole: Array) -> Mask:
+    """Strips (S,) that leave by a step of a relative size: with negative load or half length after a full step in the
+    roots of `moved`, if it is a moderate one, as a step from a poor start overshoots, or if they have nearly vanished.
     """
     S, last = len(values), values.shape[1] - 1
-    largest = 0.0
+    first, largest = last - 1 - MODES, 0.0
     for i in range(S):
         largest = max(largest, 0.5 * (values[i, last] - values[i, last - 1]))
     leaves = np.zeros(S, dtype=np.bool_)
     for i in range(S):
         half, change = 0.5 * (values[i, last] - values[i, last - 1]), 0.5 * (step[i, last] - step[i, last - 1])
-        amplitude = values[i, last - 1 - MODES]
-        load = amplitude * half + step[i, last - 1 - MODES] * half + amplitude * change
-        vanishes = load <= 0.0 or half + 2.0 * change <= 0.0
+        amplitude, more = values[i, first], step[i, first]
+        load = amplitude * half
+        if load < whole[i]:
+            vanishes = amplitude + more <= 0.0 or half + change <= 0.0
+        else:
+            rest = min(load + more * half + amplitude * change, load * (1.0 + 2.0 * change / half))
+            vanishes = rest <= -whole[i]
         leaves[i] = vanishes and (size < LARGE or half < VANISHED * largest)
     return leaves
 

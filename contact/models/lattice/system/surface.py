@@ -10,6 +10,7 @@ from wheelrail.contact.geometry.quadric_pair import curvature
 from wheelrail.contact.geometry.strip_surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.contact.geometry.wheel_surface import Place, on_circle, write_frame
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
+from wheelrail.contact.models.lattice.system.partial_width import partial_widths
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import borrowing, compiled
@@ -414,6 +415,7 @@ class ContactLines(NamedTuple):
 
     Parameters:
         depth: (K,) m, penetration at their x, the mean over the width; -inf far from contact.
+        onset, whole: (K,) m, see `wheelrail.contact.models.lattice.system.partial_width.partial_widths`.
         x: (K,) m, its place along x.
         curvature: (K,) 1/m, relative curvature along x there.
         foot: (K,) m, arc length of the closest points on the lower body; NaN where the gap exceeds the margin.
@@ -423,6 +425,8 @@ class ContactLines(NamedTuple):
     """
 
     depth: Array
+    onset: Array
+    whole: Array
     x: Array
     curvature: Array
     foot: Array
@@ -474,7 +478,8 @@ def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Ar
         level[i] = places.axes[k, 0]
         weight = max(depth[i], 0.0) ** 2 * width[i]
         total, weights = total - weight * flow[k], weights + weight
-    return ContactLines(depth, x, curvature, foot, level, total / weights if weights > 0.0 else 0.0)
+    onset, whole = partial_widths(depth, curvature, middle, width)
+    return ContactLines(depth, onset, whole, x, curvature, foot, level, total / weights if weights > 0.0 else 0.0)
 
 
 @compiled
