@@ -72,7 +72,7 @@ class LatticeTangent:
         return total
 
     def _opening(self) -> Array:
-        """Derivative (S, 6) by the pose of the gaps of strips that touch on a part of their width, at fixed unknowns."""
+        """Derivative (S, 6) by the pose of the gaps of strips that touch on a part of their width."""
         problem, state = self.problem, self.solution.state
         lines, places, load = problem.lines, problem.places(state.strips), state.load
         total, part = np.zeros((len(load), 6)), load < places.whole
