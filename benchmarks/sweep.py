@@ -12,7 +12,7 @@ these ratios once more, where they are above one, with the second differences of
 curvature of the function, which may change within less than eight times the distance; the largest
 difference between solves that start from earlier results and from none; and, at every n-th position, changes of force
 and moment over some distances to either side along every coordinate, against the integral of the tangent between, over
-the largest entry of its row: apart where no strip comes or goes between, as the force has a kink where one does.
+the largest entry of its row.
 """
 
 from __future__ import annotations
@@ -33,9 +33,7 @@ from benchmarks.common.machine import machine_description
 from benchmarks.common.models import STEEL, PairTrack, lattice_resolution, wheelset_model
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.lattice.levels import LevelSolutions
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
-from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
@@ -132,7 +130,7 @@ class Sweep:
     def tangent_errors(self, y: float, state: WheelsetState, result: ContactResult) -> list[TangentError]:
         """Errors of the tangent near a state at y m along all coordinates. Raises Unsolved."""
         tangent, here = self.contact.tangent(state, "left", result), _wrench(result)
-        before, errors = _loaded(result), []
+        errors = []
         rates = np.array([name.endswith("rate") for name in state.coordinates])
         for k, name in enumerate(state.coordinates):
             own = rates if rates[k] else ~rates
@@ -141,16 +139,15 @@ class Sweep:
                 continue
             for distance in DISTANCES:
                 for h in np.array([-distance, distance]) * (RATES if rates[k] else 1.0):
-                    mean, kinks = np.zeros(6), False
+                    mean = np.zeros(6)
                     for place, weight in zip([*(0.5 + 0.5 * PLACES), 1.0], [*(0.5 * WEIGHTS), 0.0], strict=True):
                         ahead = replace(state, **{name: getattr(state, name) + place * h})
                         found = self.solved(ahead, result)
-                        kinks = kinks or _loaded(found) != before
                         if weight:
                             mean += weight * self.contact.tangent(ahead, "left", found)[:, k]
                     off = np.abs((_wrench(found) - here) / h - mean)
                     error = float((off[largest > 0] / largest[largest > 0]).max())
-                    errors.append(TangentError(y, name, distance, float(h), kinks, error))
+                    errors.append(TangentError(y, name, distance, float(h), error))
         return errors
 
 
@@ -161,7 +158,6 @@ class TangentError(NamedTuple):
         y: m, position.
         coordinate: its name.
         distance, change: m or rad, nominal, and the signed change of the coordinate.
-        kinks: whether strips come or go within it.
         error: of the mean tangent, over the largest entry of a row.
     """
 
@@ -169,15 +165,7 @@ class TangentError(NamedTuple):
     coordinate: str
     distance: float
     change: float
-    kinks: bool
     error: float
-
-
-def _loaded(result: ContactResult) -> tuple[bytes, ...]:
-    """Loaded strips of all levels: while they are the same, the tangent is continuous."""
-    start = result.warm_start
-    solutions = start.solutions if isinstance(start, LevelSolutions) else (start,)
-    return tuple(one.state.strips.tobytes() for one in solutions if isinstance(one, LatticeSolution))
 
 
 def _wrench(result: ContactResult) -> Array:
@@ -315,15 +303,12 @@ def report(record: Record, positions: Array, scale: Array) -> Array:
     print(f"{len(record.unsolved)} positions without a solution")
     print(f"warm and cold solves differ by at most {max(record.difference):.1e} N, {LOAD:g} N on the wheel")
     for distance in DISTANCES if record.tangents else ():
-        for kinks in (False, True):
-            found = [one for one in record.tangents if one.distance == distance and one.kinks == kinks]
-            worst = max(found, key=lambda one: one.error, default=None)
-            beyond = sum(one.error > 1e-4 for one in found)
-            where = "none" if worst is None else f"{worst.error:.1e} ({worst.coordinate}, y = {1e3 * worst.y:.3f} mm)"
-            print(
-                f"tangents over {distance:g} m, {'with' if kinks else 'without'} kinks: {len(found)} changes, largest "
-                f"error {where}, {beyond} above 1e-4"
-            )
+        found = [one for one in record.tangents if one.distance == distance]
+        worst = max(found, key=lambda one: one.error)
+        print(
+            f"tangents over {distance:g} m: {len(found)} changes, largest error {worst.error:.1e} ({worst.coordinate}, "
+            f"y = {1e3 * worst.y:.3f} mm), {sum(one.error > 1e-4 for one in found)} above 1e-4"
+        )
     print(f"{1e3 * np.median(record.seconds):.0f} ms a position, {sum(record.seconds):.0f} s in all")
     return second
 
