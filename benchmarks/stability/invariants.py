@@ -97,8 +97,9 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
 def _strips(
     pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact
 ) -> tuple[Array, float, Array]:
-    """Undeformed penetration m of cells, the mean over the widths of their strips by Simpson's rule, and the largest
-    remaining penetration m of unloaded strips between the ends of their undeformed one; the former at the middles.
+    """Undeformed penetration m of cells, the mean over the widths of their strips by Simpson's rule, with the gap left
+    on strips that touch on a part of their width, and the largest penetration m that remains at an edge of unloaded
+    strips between the ends of their undeformed one; the former at the middles, without the gap.
     """
     start = result.warm_start
     levels = {0: start} if isinstance(start, LatticeSolution) else {}
@@ -121,6 +122,7 @@ def _level(problem: LatticeProblem, state: LatticeState) -> tuple[Array, float, 
         (weight / 6 * problem.penetration(middle + k * width, x).depth for k, weight in ((-0.5, 1), (0, 4), (0.5, 1))),
         np.zeros(len(x)),
     )
+    depth += np.repeat(problem.openings(state), problem.cells)
     at_middles = problem.penetration(middle, x).depth
     free = np.setdiff1d(problem.candidates, state.strips)
     if not len(free):

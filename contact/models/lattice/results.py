@@ -12,7 +12,6 @@ from wheelrail.contact.geometry.strip_layout import StripLayout, connected
 from wheelrail.contact.models.lattice.body_displacement import body_displacements
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import resultants, strip_grid
-from wheelrail.contact.models.lattice.system.partial_width import opening
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.tangent import LatticeTangent
 from wheelrail.contact.results.patch_moments import sharpened
@@ -85,11 +84,9 @@ class SolutionDetails:
 
     def _touching(self) -> Array:
         """Squared length, continued where the surfaces have opened, over that of the strips (S,)."""
-        state, places = self.solution.state, self.problem.places(self.solution.state.strips)
-        depth = places.stretch * state.load / self.problem.tables.modulus
-        pairs = zip(state.load, places.onset, places.whole, strict=True)
-        gaps = np.array([opening(*pair)[0] for pair in pairs])
-        return np.asarray(1 - gaps / depth)
+        problem, state = self.problem, self.solution.state
+        depth = problem.tables.stretch[state.strips] * state.load / problem.tables.modulus
+        return np.asarray(1 - problem.openings(state) / depth)
 
     def _with_material(self, result: ContactResult, layout: StripLayout) -> ContactResult:
         """The result with the material of both bodies that touches, and the inclination of their common surface."""

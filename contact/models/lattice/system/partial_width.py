@@ -14,7 +14,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
 
 ONSET = 4.0 * np.sqrt(2.0) / 15.0  # mean over w of (2 sqrt(2) / 3) y^(3/2) at a unit curvature and distance to the end
-SLENDER = 2.0 / np.pi  # exponent of the ratio of curvatures in that of the semi-axes: Brewe, Hamrock 1977
+SLENDER = 2.0 / np.pi  # exponent of the ratio of curvatures in that of the semi-axes: Hamrock, Brewe 1983
 LEAST = 1e-10  # touching part in the derivative of the gap, which is infinite at none
 OPENING = 2.5  # exponent of the gap
 

@@ -30,6 +30,7 @@ from wheelrail.contact.models.lattice.system.equations import (
     linearised,
 )
 from wheelrail.contact.models.lattice.system.friction import CellFriction
+from wheelrail.contact.models.lattice.system.partial_width import opening
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.lattice.system.surface import (
     MARGIN,
@@ -206,6 +207,12 @@ class LatticeProblem:
         level, onset = self.lines.level[strips], self.lines.onset[strips]
         whole = self.lines.whole[strips] * self.tables.modulus / stretch
         return StripPlaces(self.middle[strips], width, stretch, level, strips, onset, whole)
+
+    def openings(self, state: LatticeState) -> Array:
+        """Mean gaps (S,) m left on the strips of a state, which may touch on a part of their width."""
+        places = self.places(state.strips)
+        gaps = [opening(*strip)[0] for strip in zip(state.load, places.onset, places.whole, strict=True)]
+        return np.array(gaps)
 
     @cached_property
     def _means(self) -> PoseMeans:
