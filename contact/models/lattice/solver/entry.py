@@ -27,11 +27,19 @@ from wheelrail.support.arrays import Array, Nodes
 
 FIRST = equal_cells(6)  # along an unloaded strip, to find where its maximum is
 PROBES = equal_cells(12)  # around the maximum
-EXCESS = 1e-7  # of the approach: least penetration of a strip that enters
-TOUCHES = 1e-3  # of the onset: the load of the strip is 2e-7 of that on its whole width
-UNCERTAIN = 1e-5  # of the approach: penetration that a strip may leave unloaded, where it cannot stay loaded either
 MARGIN = 1.5  # half length of the cells of a strip that enters over that of a parabola of its remaining penetration
 WIDENINGS = 4  # of these cells until they cover the remaining penetration
+
+
+class Excess(NamedTuple):
+    """Penetration that unloaded strips may have at an edge, the sum of fractions of the approach and of their onset."""
+
+    approach: float
+    onset: float
+
+
+LEAST = Excess(1e-7, 1e-3)  # the load is 2e-7 of that on the whole width
+UNCERTAIN = Excess(1e-5, 0.1)  # where a strip cannot stay loaded either: 2e-3
 
 
 class Overlaps(NamedTuple):
@@ -51,9 +59,9 @@ NO_OVERLAPS = Overlaps(np.empty(0, dtype=int), np.empty(0), np.empty(0))
 
 
 def entering(
-    problem: LatticeProblem, state: LatticeState, barred: set[int], least: float = EXCESS
+    problem: LatticeProblem, state: LatticeState, barred: set[int], least: Excess = LEAST
 ) -> LatticeState | None:
-    """Unloaded strips that penetrate by more than a least fraction of the approach; None without any.
+    """Unloaded strips that penetrate by more than a least penetration; None without any.
 
     Raises OutsideSurface, NotConverged.
     """
@@ -61,12 +69,12 @@ def entering(
     return _entered(problem, state, new) if len(new.strips) else None
 
 
-def penetrating(problem: LatticeProblem, state: LatticeState, barred: set[int], least: float = EXCESS) -> Overlaps:
-    """Unloaded strips that penetrate by more than a least fraction of the approach. Raises OutsideSurface."""
+def penetrating(problem: LatticeProblem, state: LatticeState, barred: set[int], least: Excess = LEAST) -> Overlaps:
+    """Unloaded strips that penetrate by more than a least penetration. Raises OutsideSurface."""
     rest = _remaining(problem, state, barred)
     if not rest.inside:
         raise OutsideSurface(TOO_LONG)
-    enters = rest.depth > least * problem.approach + TOUCHES * problem.lines.onset[rest.strips]
+    enters = rest.depth > least.approach * problem.approach + least.onset * problem.lines.onset[rest.strips]
     if not enters.any():
         return NO_OVERLAPS
     half = np.minimum(MARGIN * np.sqrt(2 * rest.depth[enters] / rest.curvature[enters]), rest.half[enters])
