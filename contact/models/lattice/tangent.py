@@ -30,7 +30,7 @@ from wheelrail.contact.models.lattice.system.partial_width import opening_change
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import GAUSS, crest_changes, frames
 from wheelrail.contact.solvers.tangent import co_moving_load
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Nodes
 
 NEGLIGIBLE = 1e-3  # of the largest singular value of their derivatives: 2e-6 of the tangent
 
@@ -60,15 +60,14 @@ class LatticeTangent:
             total[:, :6] += co_moving_load(resultants(values, data), problem.pose.origin)
         return np.asarray(total)
 
-    def _deepening(self) -> Array:
-        """Derivative (S, STATIONS, 6) of the penetration at the stations by the pose."""
-        problem, state = self.problem, self.solution.state
-        x = state.ends[:, :1] + np.diff(state.ends) * problem.basis.stations
-        total = np.zeros((*x.shape, 6))
+    def _deepening(self, strips: Nodes, x: Array) -> Array:
+        """Derivative (..., 6) by the pose of the penetration at x (...) on strips, whose shape broadcasts to that of x,
+        means over their widths.
+        """
+        problem, total = self.problem, np.zeros((*x.shape, 6))
         for side in (-GAUSS, GAUSS):
-            s = problem.middle[state.strips] + side * problem.width[state.strips]
-            at = problem.penetration_changes(np.repeat(s, x.shape[1]), x.ravel())
-            total += 0.5 * at.depth.reshape(total.shape)
+            s = np.broadcast_to(problem.middle[strips] + side * problem.width[strips], x.shape)
+            total += 0.5 * problem.penetration_changes(s.ravel(), x.ravel()).depth.reshape(total.shape)
         return total
 
     def _opening(self) -> Array:
@@ -80,10 +79,7 @@ class LatticeTangent:
             return total
         own = state.strips[part]
         near = own[:, None] + np.array([-1, 0, 1])
-        change = np.zeros((*near.shape, 6))
-        for side in (-GAUSS, GAUSS):
-            s = problem.middle[near] + side * problem.width[near]
-            change += 0.5 * problem.penetration_changes(s.ravel(), lines.x[near].ravel()).depth.reshape(change.shape)
+        change = self._deepening(near, lines.x[near])
         onset, whole = partial_width_changes(
             lines.depth[near], lines.curvature[own], problem.middle[near], problem.width[own], change
         )
@@ -97,7 +93,8 @@ class LatticeTangent:
         S, block = state.values.shape
         M = problem.cells
         total = np.zeros((S, block, CHANGES))
-        depth = self._deepening()
+        x = state.ends[:, :1] + np.diff(state.ends) * problem.basis.stations
+        depth = self._deepening(state.strips[:, None], x)
         total[:, -MOMENTS:, :6] = np.einsum("kg,sgj->skj", problem.basis.penetration, depth)
         slips, moments = self._by_compliance()
         total[:, -MOMENTS:, :6] += moments
