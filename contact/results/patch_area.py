@@ -10,6 +10,7 @@ from wheelrail.support.compiled import borrowing, compiled
 
 PLACE, WEIGHT = roots_legendre(12)  # Gauss rule on -1 to 1
 RISE = 1 - np.cos(0.5 * np.pi * (PLACE + 1))  # from one end, of 2
+LEAST_STRIPS = 3  # for a parabola across; of fewer, the area is that of whole strips
 SHARE = 0.25 * np.pi * WEIGHT * np.sin(0.5 * np.pi * (PLACE + 1))
 
 
@@ -26,7 +27,7 @@ def patch_area(square: Array, bounds: Array) -> float:
     ends at their root in an outer strip, or in the unloaded one next to it.
     """
     S, total = len(square), 0.0
-    if S < 3:
+    if S < LEAST_STRIPS:
         for i in range(S):
             total += np.sqrt(max(square[i], 0.0)) * (bounds[i + 1] - bounds[i])
         return total

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from wheelrail.contact.geometry.strip_layout import StripLayout
-from wheelrail.contact.results.patch_area import patch_area
+from wheelrail.contact.results.patch_area import LEAST_STRIPS, patch_area
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
@@ -47,7 +47,9 @@ def _sharpened(
             spread(p[own], x, layout.marks),
             lateral_spread(load.sum(axis=1) * width[own], layout.middle[own], width[own]),
         )
-        square = (area[own].sum(axis=1) / width[own]) ** 2 * touching[own]
+        square = (area[own].sum(axis=1) / width[own]) ** 2
+        if len(own) >= LEAST_STRIPS:
+            square *= touching[own]
         smooth = patch_area(square, sides)
         sticks = stick_area(square * (stick_lengths(left[own], lengths) / lengths.sum(axis=1)) ** 2, sides)
         corrected.append(replace(patch, semi_axes=axes, area=smooth, stick_area=min(sticks, smooth), strips=len(own)))

@@ -82,6 +82,19 @@ def test_tangents_beside_strips_that_touch_on_a_part(friction: float) -> None:
     assert partial >= 2
 
 
+@pytest.mark.parametrize("depth", [3e-7, 4e-7])
+def test_a_patch_of_two_strips_on_a_part_of_their_width_has_an_area(depth: float) -> None:
+    """That of whole strips, as the squared length, continued beyond the end of the contact, may be negative."""
+    model = ellipse(0.0)
+    problem = model.problem(hertz_pose(depth), ROLLING)
+    result = model.solve(problem)
+    assert isinstance(result.warm_start, LatticeSolution)
+    state = result.warm_start.state
+    assert loaded_strips(result) == 2
+    assert (state.load < 0.25 * problem.places(state.strips).whole).all()
+    assert result.patches[0].area == pytest.approx(float(2 * state.half @ problem.width[state.strips]))
+
+
 def test_onset_of_a_parabola() -> None:
     """Gap beside a line contact that ends b from the middle: kappa sqrt(2 b) 2/3 y^(3/2), in the mean over w."""
     kappa, width, b = 20.0, 1e-4, 2e-3
