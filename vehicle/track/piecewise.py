@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import accumulate, pairwise
 from typing import Literal, get_args
 
@@ -126,7 +127,18 @@ class PiecewiseFunction:
 
     def integral(self, s: float) -> float:
         """Exact integral from 0 to s."""
-        return self.values[0] * s if len(self.stations) == 1 else self._area(s) - self._area(0.0)
+        return self.values[0] * s if len(self.stations) == 1 else self._area(s) - self._area_before_zero
+
+    @cached_property
+    def _area_before_zero(self) -> float:
+        return self._area(0.0)
+
+    @cached_property
+    def _areas(self) -> list[float]:
+        """Integrals from the first station to each: every ramp has the mean of its ends."""
+        lengths = [b - a for a, b in pairwise(self.stations)]
+        means = [0.5 * (a + b) for a, b in pairwise(self.values)]
+        return list(accumulate((d * mean for d, mean in zip(lengths, means, strict=True)), initial=0.0))
 
     def _area(self, s: float) -> float:
         """Integral from the first station to s."""
@@ -134,13 +146,9 @@ class PiecewiseFunction:
         i = bisect_right(stations, s)
         if i == 0:
             return v[0] * (s - stations[0])
-        widths = [b - a for a, b in pairwise(stations)]
-        integrals = list(
-            accumulate((0.5 * d * (a + b) for d, a, b in zip(widths, v, v[1:], strict=False)), initial=0.0)
-        )
         distance, start = s - stations[i - 1], v[i - 1]
         if i == len(stations):
-            return integrals[-1] + start * distance
-        width, rise = widths[i - 1], v[i] - start
+            return self._areas[-1] + start * distance
+        width, rise = stations[i] - stations[i - 1], v[i] - start
         ramp = ramp_integral(distance / width, self.shape_of(i - 1), self.corner / width) if rise else 0.0
-        return integrals[i - 1] + start * distance + rise * width * ramp
+        return self._areas[i - 1] + start * distance + rise * width * ramp

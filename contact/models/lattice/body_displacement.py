@@ -18,6 +18,8 @@ from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.results.touching_material import BodyDisplacements
 from wheelrail.support.arrays import Array
 
+PARTS = 3  # of a strip, over which deviations from half-spaces vary little
+
 
 def body_displacements(
     problem: LatticeProblem, state: LatticeState, relative: Array, weight: Array
@@ -33,21 +35,26 @@ def body_displacements(
     data = problem.of(state.strips)
     grid = strip_grid(state.values, data.places, problem.basis)
     jumps = force_jumps(state.values, data.places, problem.basis, problem.rolls)
-    total = weight.sum(axis=1, keepdims=True)
-    means = weight / np.where(total > 0, total, 1.0)
     feet = problem.lines.foot if problem.tables.moves else None
-    deviation = np.zeros((2, *relative.shape))
+    M = weight.shape[1]
+    bounds = np.linspace(0, M, PARTS + 1).round().astype(int)
+    ends, parts = np.ascontiguousarray(grid.x[:, bounds]), np.add.reduceat(weight, bounds[:-1], axis=1)
+    forces = np.cumsum(jumps, axis=1)[:, :-1] * np.diff(grid.x[:, : M + 1])[..., None]
+    loads = np.add.reduceat(forces, bounds[:-1], axis=1) / np.diff(ends)[..., None]
+    jumps, deviation = np.diff(loads, axis=1, prepend=0.0, append=0.0), np.zeros((2, len(weight), 3))
     for body in (0, 1):
         tables = problem.tables.deviation_of(body, state.strips, feet, problem.reach)
         if tables is not None:
-            _, V = antiderivatives(tables, grid, jumps)
-            deviation[body] = (np.diff(V, axis=1) / np.diff(grid.x)[..., None])[:, : weight.shape[1]]
+            _, V = antiderivatives(tables, grid._replace(x=ends), jumps)
+            deviation[body] = _means(np.diff(V, axis=1) / np.diff(ends)[..., None], parts)
     upper, lower = problem.tables.operators.upper, problem.tables.operators.lower
     compliance = np.array([(1 + body.nu) * half_space_scale(body) for body in (upper, lower)])
-    half_spaces = relative - deviation.sum(axis=0)
-    wheel, minus_rail = deviation + (compliance / compliance.sum())[:, None, None, None] * half_spaces
-    return BodyDisplacements(
-        (means * wheel[..., 1]).sum(axis=1),
-        -(means * minus_rail[..., 1]).sum(axis=1),
-        (means * deviation[0, ..., 2]).sum(axis=1),
-    )
+    half_spaces = _means(relative, weight) - deviation.sum(axis=0)
+    wheel, minus_rail = deviation + (compliance / compliance.sum())[:, None, None] * half_spaces
+    return BodyDisplacements(wheel[:, 1], -minus_rail[:, 1], deviation[0, :, 2])
+
+
+def _means(values: Array, weight: Array) -> Array:
+    """Means (S, 3) of values (S, M, 3) by weights (S, M); zero where these are."""
+    total = weight.sum(axis=1, keepdims=True)
+    return np.asarray(np.einsum("sm,smk->sk", weight / np.where(total > 0, total, 1.0), values))

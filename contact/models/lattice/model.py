@@ -30,7 +30,7 @@ from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS, KeptFa
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
-from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.system.state import LatticeState, moved
 from wheelrail.contact.models.lattice.system.surface import MARGIN, SurfaceData, surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
@@ -216,6 +216,8 @@ class LatticeContact:
                 count.linear += steps.evaluations
                 state = LatticeState(state.strips, steps.values)
                 if steps.converged:
+                    whole = problem.places(state.strips).whole
+                    state = LatticeState(state.strips, moved(steps.values, steps.step, 1.0, whole))
                     new = entering(problem, state, set())
                     if new is None:
                         count.residual = steps.size

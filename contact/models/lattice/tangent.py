@@ -54,8 +54,9 @@ class LatticeTangent:
         linearisation = problem.linearise(self.solution.state)
         self.solution.factors = Factors.of(linearisation)
         data = problem.of(self.solution.state.strips)
-        change = self.solution.factors.solve(linearisation.jacobian, self._by_pose(linearisation))
-        total = -resultant_slopes(values, data) @ change
+        slopes = resultant_slopes(values, data)
+        multipliers = self.solution.factors.solve_transposed(linearisation.jacobian, slopes.T)
+        total = -multipliers.T @ self._by_pose(linearisation)
         if problem.surface.revolves:  # the strips move with the wheel
             total[:, :6] += co_moving_load(resultants(values, data), problem.pose.origin)
         return np.asarray(total)

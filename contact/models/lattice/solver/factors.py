@@ -24,7 +24,7 @@ Integers = NDArray[np.int32]
 Bytes = NDArray[np.uint8]
 SINGULAR = "the Jacobian of the contact is singular"
 REFINEMENTS = 2  # of a solution to double precision
-REFINED = 1e-6  # of the solution: largest second correction
+REFINED = 1e-6  # of the solution: largest error left
 STRESS, LENGTH, GAP = 1e9, 1e-3, 1e-6  # Pa, m, m: scales of the unknowns and of the moments
 
 
@@ -80,26 +80,29 @@ class Factors(NamedTuple):
         """Step (S, block) that cancels the linearised residual (S, block)."""
         return newton_step(self, lapack(), residual)
 
-    def solve(self, jacobian: Array, right: Array) -> Array:
-        """Solution (n, k) in double precision for right-hand sides (n, k), with the Jacobian (n, n) of these factors,
-        which are not corrected.
+    def solve_transposed(self, jacobian: Array, right: Array) -> Array:
+        """Solution (n, k) in double precision of the transposed equations for right-hand sides (n, k), with the
+        Jacobian (n, n) of these factors, which are not corrected.
 
         Iterative refinement: N. Higham, Accuracy and Stability of Numerical Algorithms, 2002, chapter 12.
         """
-        solution = self._solution(right)
+        rows, columns = self.rows[:, None], self.columns[:, None]
+        solution, before = self._transposed(columns * right), 1.0
         for _ in range(REFINEMENTS):
-            change = self._solution(right - jacobian @ solution)
+            change = self._transposed(columns * (right - jacobian.T @ (rows * solution)))
             solution += change
-        if (np.abs(change).max(axis=0) <= REFINED * np.abs(solution).max(axis=0)).all():
-            return solution
-        scaled = self.rows[:, None] * jacobian * self.columns  # pivots of unscaled equations lose several digits
-        return np.asarray(self.columns[:, None] * np.linalg.solve(scaled, self.rows[:, None] * right))
+            largest, size = (np.abs(part).max(axis=0) for part in (solution, change))
+            after = float(np.max(np.divide(size, largest, out=size, where=largest > 0)))
+            if after * after <= REFINED * before:  # what is left is as much smaller as this change was
+                return np.asarray(rows * solution)
+            before = after
+        scaled = rows * jacobian * self.columns  # pivots of unscaled equations lose several digits
+        return np.asarray(rows * np.linalg.solve(scaled.T, columns * right))
 
-    def _solution(self, right: Array) -> Array:
-        """Solution (n, k) in single precision."""
-        scaled = (self.rows[:, None] * right).astype(np.float32)
-        solution, _ = la.lapack.sgetrs(self.lu.T, self.pivots - 1, scaled, trans=1, overwrite_b=1)
-        return np.asarray(self.columns[:, None] * solution)
+    def _transposed(self, right: Array) -> Array:
+        """Solution (n, k) in single precision of the scaled transposed equations."""
+        solution, _ = la.lapack.sgetrs(self.lu.T, self.pivots - 1, right.astype(np.float32), overwrite_b=1)
+        return np.asarray(solution, dtype=np.float64)
 
 
 class Lapack(NamedTuple):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.solver.chords import CONTRACTION, STEPS
+from wheelrail.contact.models.lattice.solver.chords import Steps, further_steps
 from wheelrail.contact.models.lattice.solver.factors import Factors, Lapack, factorised, newton_step
 from wheelrail.contact.models.lattice.solver.renewal import renewed
 from wheelrail.contact.models.lattice.system.equations import (
@@ -22,6 +22,7 @@ from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import compiled
 
 HALVINGS = 6  # of a step in the line search
+DECREASE = 0.25  # of the following step, of that of the linearised equations
 NEAR = 0.1  # step below which strips may enter
 RENEWED = 0.5  # of a step with renewed factors: largest following one with which they are renewed again
 CONVERGED, ENTRY, LEAVES, PAUSED, OUTSIDE, SINGULAR, TOO_LONG, NOT_FINITE = range(8)  # events
@@ -70,26 +71,6 @@ class Progress(NamedTuple):
     kept: KeptFactors
     iterations: int
     linearisations: int
-    evaluations: int
-
-
-class Moved(NamedTuple):
-    """State after some steps with the same factors.
-
-    Parameters:
-        inside: whether a step could be evaluated.
-        values: (S, block).
-        step: (S, block), the next one.
-        contracts: whether it is shorter than the last one by `CONTRACTION`.
-        evaluation: at the values.
-        evaluations: number of them.
-    """
-
-    inside: bool
-    values: Array
-    step: Array
-    contracts: bool
-    evaluation: Evaluation
     evaluations: int
 
 
@@ -162,14 +143,15 @@ def iterate(
                     event = LEAVES
         if event == CONVERGED:
             before = size
-            ahead = _moved(values, step, data, factors, evaluation, limits.tolerance, solver)
+            ahead = _searched(values, step, data, factors, evaluation, limits.tolerance, solver)
             evaluations += ahead.evaluations
-            if ahead.inside:
-                values, evaluation = ahead.values, ahead.evaluation
-                size, _ = relative_size(values, ahead.step)
+            if np.isfinite(ahead.first) or ahead.converged:
+                values, evaluation, size, leaves = ahead.values, ahead.evaluation, ahead.size, ahead.leaves
                 keeps = exact or size < RENEWED * before
-                if size < limits.tolerance and (exact or ahead.contracts):
+                if ahead.converged:
                     values = moved(values, ahead.step, 1.0, data.places.whole)
+                elif leaves.any():
+                    event = LEAVES
                 elif size < NEAR and not entered:
                     event = ENTRY
                 else:
@@ -183,7 +165,7 @@ def iterate(
 
 
 @compiled
-def _moved(
+def _searched(
     values: Array,
     step: Array,
     data: EquationData,
@@ -191,37 +173,30 @@ def _moved(
     evaluation: Evaluation,
     tolerance: float,
     solver: Lapack,
-) -> Moved:
-    """State after a step and further ones with the same factors while they contract.
+) -> Steps:
+    """State after a step, which is shortened where the following one is not shorter, and further full ones.
 
     Affine-invariant line search: Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 3.3.
     """
-    evaluations, contracts = 0, False
-    for _ in range(STEPS):
-        _, before = relative_size(values, step)
-        factor = longest(values, step)
-        best, after = np.inf, np.inf
-        start, direction = values, step
-        inside = False
-        for _ in range(HALVINGS):
-            trial = moved(start, direction, factor, data.places.whole)
-            evaluations += 1
-            ahead = evaluate(trial, data)
-            if not ahead.inside:
-                factor *= 0.5
-                continue
-            following = newton_step(factors, solver, ahead.residual)
-            _, after = relative_size(start, following)
-            if not inside or after < best:
-                inside, best = True, after
-                values, step, evaluation = trial, following, ahead
-            if after <= (1 - 0.25 * factor) * before:
+    ahead = further_steps(values, step, evaluation, data, factors, solver, tolerance)
+    if ahead.converged or ahead.first <= 1.0 - DECREASE:
+        return ahead
+    evaluations = ahead.evaluations
+    best = ahead if ahead.first < 1.0 else Steps(*ahead[:5], np.inf, *ahead[6:])
+    _, before = relative_size(values, step)
+    factor = longest(values, step)
+    if factor == 1.0:
+        factor = 0.5
+    for _ in range(HALVINGS):
+        trial = moved(values, step, factor, data.places.whole)
+        evaluations += 1
+        there = evaluate(trial, data)
+        if there.inside:
+            following = newton_step(factors, solver, there.residual)
+            size, after = relative_size(values, following)
+            if not after / before > best.first:
+                best = Steps(False, trial, following, ahead.leaves, size, after / before, there, 0)
+            if after <= (1.0 - DECREASE * factor) * before:
                 break
-            factor *= 0.5
-        if not inside:
-            return Moved(False, values, step, False, evaluation, evaluations)
-        size, _ = relative_size(values, step)
-        contracts = factor == 1.0 and best < CONTRACTION * before
-        if size < tolerance or not contracts or leaving(values, step, size, data.places.whole).any():
-            break
-    return Moved(True, values, step, contracts, evaluation, evaluations)
+        factor *= 0.5
+    return Steps(*best[:-1], evaluations)

@@ -11,12 +11,11 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import MODES
-from wheelrail.contact.models.lattice.solver.chords import CONTRACTION
 from wheelrail.contact.models.lattice.solver.factors import Factors, Lapack, back_substitute
 from wheelrail.support.arrays import Array, Nodes, Single
 from wheelrail.support.compiled import compiled
 
-CHANGED = CONTRACTION  # of the slopes of a cell, without dimension: with smaller changes steps contract
+CHANGED = 0.3  # of the slopes of a cell, without dimension: with smaller changes steps contract
 LARGEST = 0.2  # rank over unknowns: of higher ones, new factors take less time
 
 

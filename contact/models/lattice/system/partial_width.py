@@ -17,6 +17,7 @@ ONSET = 4.0 * np.sqrt(2.0) / 15.0  # mean over w of (2 sqrt(2) / 3) y^(3/2) at a
 SLENDER = 2.0 / np.pi  # exponent of the ratio of curvatures in that of the semi-axes: Hamrock, Brewe 1983
 LEAST = 1e-10  # touching part in the derivative of the gap, which is infinite at none
 OPENING = 2.5  # exponent of the gap
+BISECTIONS = 20
 
 
 @compiled
@@ -36,11 +37,9 @@ def partial_widths(depth: Array, curvature: Array, middle: Array, width: Array) 
     onset, whole = np.zeros(K), np.zeros(K)
     for k in range(1, K - 1):
         before, after = middle[k] - middle[k - 1], middle[k + 1] - middle[k]
-        first, second = (depth[k] - depth[k - 1]) / before, (depth[k + 1] - depth[k]) / after
-        if not np.isfinite(first) or not np.isfinite(second):
+        slope, bend = _parabola(depth[k - 1 : k + 2], before, after)
+        if not np.isfinite(slope) or not np.isfinite(bend):
             continue
-        slope = (first * after + second * before) / (before + after)
-        bend = 2.0 * (second - first) / (before + after)
         square = (slope * width[k]) ** 2 + (bend * width[k] ** 2) ** 2 / 60.0
         if square > 0.0:
             variation, distance = np.sqrt(square), np.sqrt(square + 4.0 * depth[k] ** 2)
@@ -51,6 +50,7 @@ def partial_widths(depth: Array, curvature: Array, middle: Array, width: Array) 
     return onset, whole
 
 
+@compiled
 def partial_width_changes(
     depth: Array, curvature: Array, middle: Array, width: Array, change: Array
 ) -> tuple[Array, Array]:
@@ -61,25 +61,31 @@ def partial_width_changes(
         curvature, width: (S,) 1/m and m.
         change: (S, 3, n) derivatives of the penetration.
     """
-    slope, bend = _parabola(depth, middle)
-    slopes, bends = _parabola(change.transpose(2, 0, 1), middle)
-    square = (slope * width) ** 2 + (bend * width**2) ** 2 / 60
-    own = depth[:, 1]
-    variation = (slope * width**2 * slopes + bend * width**4 / 60 * bends) / square
-    distance = (square * variation + 4 * own * change[:, 1].T) / (square + 4 * own**2)
-    ratio = curvature * width**2 * np.sqrt(square + 4 * own**2) / square
-    ratios = distance - 2 * variation
-    onset = 1.5 * variation - 0.5 * distance + (1 - SLENDER) / (1 + ratio**2) * ratios
-    return onset.T, (variation + (1 - 2 * SLENDER) * ratios).T
+    S, _, n = change.shape
+    onset, whole = np.empty((S, n)), np.empty((S, n))
+    for i in range(S):
+        before, after = middle[i, 1] - middle[i, 0], middle[i, 2] - middle[i, 1]
+        slope, bend = _parabola(depth[i], before, after)
+        square = (slope * width[i]) ** 2 + (bend * width[i] ** 2) ** 2 / 60.0
+        sum_of_squares = square + 4.0 * depth[i, 1] ** 2
+        ratio = curvature[i] * width[i] ** 2 * np.sqrt(sum_of_squares) / square
+        for k in range(n):
+            slopes, bends = _parabola(change[i, :, k], before, after)
+            variation = (slope * width[i] ** 2 * slopes + bend * width[i] ** 4 / 60.0 * bends) / square
+            distance = (square * variation + 4.0 * depth[i, 1] * change[i, 1, k]) / sum_of_squares
+            ratios = distance - 2.0 * variation
+            onset[i, k] = 1.5 * variation - 0.5 * distance + (1.0 - SLENDER) / (1.0 + ratio**2) * ratios
+            whole[i, k] = variation + (1.0 - 2.0 * SLENDER) * ratios
+    return onset, whole
 
 
-def _parabola(values: Array, place: Array) -> tuple[Array, Array]:
-    """Slope and second derivative (..., S) at the middle one of three places (S, 3) from values (..., S, 3) there."""
-    steps = np.diff(place)
-    first, second = np.moveaxis(np.diff(values) / steps, -1, 0)
-    before, after = steps.T
-    length = before + after
-    return (first * after + second * before) / length, 2 * (second - first) / length
+@borrowing
+def _parabola(values: Array, before: float, after: float) -> tuple[float, float]:
+    """Slope and second derivative at the middle one of three places at distances before and after it, from values (3,)
+    there.
+    """
+    first, second = (values[1] - values[0]) / before, (values[2] - values[1]) / after
+    return (first * after + second * before) / (before + after), 2.0 * (second - first) / (before + after)
 
 
 @borrowing
@@ -104,6 +110,7 @@ def opening_changes(load: Array, onset: Array, whole: Array) -> tuple[Array, Arr
     return onset * (1 - part) ** OPENING, 0.5 * OPENING * onset * (1 - part) ** (OPENING - 1) * part
 
 
+@compiled
 def pressed(depth: Array, compliance: Array, onset: Array) -> Array:
     """Touching parts (S,) of the width, or roots of the load over that on the whole width where this is larger.
 
@@ -114,10 +121,18 @@ def pressed(depth: Array, compliance: Array, onset: Array) -> Array:
 
     The root of depth - onset - compliance c^2 + onset (1 - c)^(5/2), which falls with c, by bisection.
     """
-    low, high = np.zeros(len(depth)), np.ones(len(depth))
-    for _ in range(20):
-        c = 0.5 * (low + high)
-        beyond = depth - onset - compliance * c**2 + onset * (1 - c) ** OPENING < 0
-        low, high = np.where(beyond, low, c), np.where(beyond, c, high)
-    excess = depth - onset
-    return np.where(excess < compliance, high, np.sqrt(np.maximum(excess, 0.0) / compliance))
+    roots = np.empty(len(depth))
+    for i in range(len(depth)):
+        excess = depth[i] - onset[i]
+        if excess >= compliance[i]:
+            roots[i] = np.sqrt(max(excess, 0.0) / compliance[i])
+            continue
+        low, high = 0.0, 1.0
+        for _ in range(BISECTIONS):
+            c = 0.5 * (low + high)
+            if excess - compliance[i] * c * c + onset[i] * (1.0 - c) ** OPENING < 0.0:
+                high = c
+            else:
+                low = c
+        roots[i] = high
+    return roots

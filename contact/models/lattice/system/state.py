@@ -105,6 +105,17 @@ def _remaining(factor: float, load: float, whole: float) -> float:
 
 
 @borrowing
+def _scales(values: Array) -> tuple[float, float]:
+    """Pressure Pa and length m to which steps are related: the largest amplitude and half length."""
+    last = values.shape[1] - 1
+    pressure, half = LEAST_PRESSURE, 0.0
+    for i in range(len(values)):
+        pressure = max(pressure, abs(values[i, last - 1 - MODES]))
+        half = max(half, 0.5 * (values[i, last] - values[i, last - 1]))
+    return pressure, half
+
+
+@borrowing
 def relative_size(values: Array, step: Array) -> tuple[float, float]:
     """Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length.
 
@@ -112,10 +123,7 @@ def relative_size(values: Array, step: Array) -> tuple[float, float]:
     load: those of strips of micrometres are uncertain by round-off.
     """
     last = values.shape[1] - 1
-    pressure, half = LEAST_PRESSURE, 0.0
-    for i in range(len(values)):
-        pressure = max(pressure, abs(values[i, last - 1 - MODES]))
-        half = max(half, 0.5 * (values[i, last] - values[i, last - 1]))
+    pressure, half = _scales(values)
     largest, total = 0.0, 0.0
     for i in range(len(values)):
         weight = 0.5 * (values[i, last] - values[i, last - 1]) / half
@@ -124,6 +132,20 @@ def relative_size(values: Array, step: Array) -> tuple[float, float]:
             largest = max(largest, weight * part)
             total += part * part
     return largest if np.isfinite(total) else np.inf, np.sqrt(total)
+
+
+@borrowing
+def inner_product(values: Array, first: Array, second: Array) -> float:
+    """That of two steps (S, block), of the norm of `relative_size`."""
+    last = values.shape[1] - 1
+    pressure, half = _scales(values)
+    stresses, lengths = 0.0, 0.0
+    for i in range(len(values)):
+        for k in range(last - 1):
+            stresses += first[i, k] * second[i, k]
+        for k in range(last - 1, last + 1):
+            lengths += first[i, k] * second[i, k]
+    return stresses / (pressure * pressure) + lengths / (half * half)
 
 
 @compiled
