@@ -39,6 +39,7 @@ LATTICE = {  # limits of strips: means over cells deviate from a gap that vanish
 }
 TIGHT = 1e-8  # of the last Newton step on strips, relative to the peak pressure
 PROBES = equal_cells(60)  # along an unloaded strip
+NARROW = 1e-5  # variation of a bound over itself: the mean is the value at the middle
 G = Material().E / (2 + 2 * Material().nu)  # Pa
 
 
@@ -49,11 +50,11 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
     tractions on the rail, over load and load times a metre; the patches' forces minus the result's; pull, the largest
     tension over the peak pressure; friction, traction beyond mu p over mu times the peak; law, the largest q max(|s|,
     eps) + mu p s, and work, the largest q . s > 0, over mu times the peak times the largest slip, or the strain due to
-    mu times the peak; penetration at loaded and open points over the approach; missed, the largest undeformed
-    penetration outside all patches over that inside: pressure lowers a surface most where it acts; unloaded, the
-    largest penetration that remains in a strip of a lattice without pressure, over the approach; undeformed, the error
-    of the undeformed penetration of the points of a lattice, over the approach. All infinite without any pressure:
-    penetrating bodies must carry some.
+    mu times the peak; on strips law is the residual of the mean law of a cell, over mu times the peak; penetration at
+    loaded and open points over the approach; missed, the largest undeformed penetration outside all patches over that
+    inside: pressure lowers a surface most where it acts; unloaded, the largest penetration that remains in a strip of a
+    lattice without pressure, over the approach; undeformed, the error of the undeformed penetration of the points of a
+    lattice, over the approach. All infinite without any pressure: penetrating bodies must carry some.
     """
     pose, motion = case.at(depth)
     fields = result.fields
@@ -71,10 +72,14 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
     most = max(case.friction * peak, 1e-300)
     power_scale = max(most * max(float(np.hypot(*s.T).max()), most / G), 1e-300)
     in_patches = sum((patch.force for patch in result.patches), np.zeros(3))
+    beyond, law = np.hypot(*q.T) - bound, astray / power_scale
     undeformed, unloaded, error = fields.penetration, 0.0, 0.0
     if isinstance(model, LatticeContact):
         undeformed, unloaded, at_middles = _strips(pose, motion, result, model)
         error = float(np.abs(at_middles - fields.penetration).max())
+        if case.friction > 0:
+            beyond, residual = _friction(case, pose, motion, result, model)
+            law = residual / most
     # deformed penetration minus that of the penalty: zero at loaded points, negative at open ones
     d = undeformed + fields.displacement[:, 2] - p * case.laws.normal_compliance
     apart = np.where(p > 0, np.abs(d), np.maximum(d, 0.0))
@@ -84,8 +89,8 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
         "moment": float(np.linalg.norm(about.moment + moment)) / load,
         "patches": float(np.linalg.norm(in_patches - result.force)) / load,
         "pull": float(max(-p.min(), 0.0)) / peak,
-        "friction": float(np.maximum(np.hypot(*q.T) - bound, 0.0).max()) / most,
-        "law": float(astray.max()) / power_scale,
+        "friction": float(np.maximum(beyond, 0.0).max()) / most,
+        "law": float(law.max()),
         "work": float(np.maximum(power, 0.0).max()) / power_scale,
         "penetration": float(apart.max()) / result.approach,
         "missed": penetration_outside(case, pose, [patch.wheel_band for patch in result.patches]),
@@ -101,17 +106,49 @@ def _strips(
     on strips that touch on a part of their width, and the largest penetration m that remains at an edge of unloaded
     strips between the ends of their undeformed one; the former at the middles, without the gap.
     """
+    depths, unloaded, at_middles = zip(*(_level(*part) for part in _levels(pose, motion, result, model)), strict=True)
+    return np.concatenate(depths), max(unloaded), np.concatenate(at_middles)
+
+
+def _levels(
+    pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact
+) -> list[tuple[LatticeProblem, LatticeState]]:
+    """Equations and their solution on strips of each width."""
     start = result.warm_start
     levels = {0: start} if isinstance(start, LatticeSolution) else {}
     if isinstance(start, LevelSolutions):
-        levels = dict(zip(start.levels, start.solutions, strict=True))
-    parts = [
-        _level(model.on(level).problem(pose, motion), solution.state)
-        for level, solution in levels.items()
-        if solution is not None
-    ]
-    depths, unloaded, at_middles = zip(*parts, strict=True)
-    return np.concatenate(depths), max(unloaded), np.concatenate(at_middles)
+        levels = {level: own for level, own in zip(start.levels, start.solutions, strict=True) if own is not None}
+    return [(model.on(level).problem(pose, motion), solution.state) for level, solution in levels.items()]
+
+
+def _friction(
+    case: SampledCase, pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact
+) -> tuple[Array, Array]:
+    """Tractions Pa beyond their largest mean in each cell (n,), and the residual Pa of the law (n,), its mean over a
+    pressure that varies linearly in the cell: q - m y / |y| with y = rho q - s, m the mean of the lesser of
+    |y| / (rho + eps / b) and mu p, and b the mean of mu p.
+    """
+    excess, residuals = [], []
+    for problem, state in _levels(pose, motion, result, model):
+        q = state.tractions.transpose(0, 2, 1).reshape(-1, 2)
+        slip = problem.evaluate(state).slip.transpose(0, 2, 1).reshape(-1, 2)
+        pressure = np.einsum("sm,rkm->ksr", state.modes, problem.basis.ends).reshape(2, -1)
+        bounds, rho = case.friction * np.maximum(pressure, 0.0), np.tile(problem.rho, len(state.strips))
+        y = rho[:, None] * q - slip
+        size = np.maximum(np.hypot(*y.T), 1e-300)
+        mean = _mean_of_lesser(size / (rho + case.regularisation / np.maximum(bounds.mean(axis=0), 1e-300)), bounds)
+        excess.append(np.hypot(*q.T) - bounds.mean(axis=0))
+        residuals.append(np.hypot(*(q - (mean / size)[:, None] * y).T))
+    return np.concatenate(excess), np.concatenate(residuals)
+
+
+def _mean_of_lesser(t: Array, bounds: Array) -> Array:
+    """Means (n,) of the lesser of t (n,) and a bound that varies linearly between two values, (2, n)."""
+    low, high = np.sort(bounds, axis=0)
+    narrow = high - low < NARROW * high
+    beyond = np.maximum(t - low, 0.0) ** 2 - np.maximum(t - high, 0.0) ** 2
+    mean = t - beyond / (2 * np.where(narrow, 1.0, high - low))
+    return np.where(narrow, np.minimum(t, 0.5 * (low + high)), mean)
 
 
 def _level(problem: LatticeProblem, state: LatticeState) -> tuple[Array, float, Array]:
