@@ -1,4 +1,8 @@
-"""Accuracy and wall time of 10 s of the paper's curve with exact laws: table and figure."""
+"""Accuracy and wall time with exact laws: 10 s of the paper's curve and 2.2 s on irregular rails, tables and figure.
+
+`python -m benchmarks.curve [--only curve] [--seconds S] [--quick] [--picture FILE] [--json FILE]`. Every run is
+compared with one at a tight tolerance, and with one of finer strips and cells.
+"""
 
 from __future__ import annotations
 
@@ -28,33 +32,46 @@ from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
 
-SCENE = Path(__file__).parents[1] / "scenes" / "curve.toml"
-EVERY = 0.05  # s, between the rows that are compared, as in the scene
+SCENES = Path(__file__).parents[1] / "scenes"
 TRANSIENT_END = 0.1  # s, end of the initial transient
 
 
 @dataclass(frozen=True)
 class CurveVariant:
-    """Strips and cells of the contact, tolerance of the integrator, number of processes."""
+    """Strips and cells of the contact, tolerance of the integrator over that of the scene, number of processes."""
 
     name: str
     fineness: tuple[int, int]
-    rtol: float
+    tolerance: float
     workers: int = 2
     method: str = "rosenbrock"
 
 
 VARIANTS = (
-    CurveVariant("scenes/curve.toml", (6, 10), 3e-3),
-    CurveVariant("one process", (6, 10), 3e-3, workers=1),
-    CurveVariant("tighter", (6, 10), 1e-3, workers=1),
-    CurveVariant("4 x 6 cells", (4, 6), 3e-3, workers=1),
-    CurveVariant("4 x 10 cells", (4, 10), 3e-3, workers=1),
-    CurveVariant("8 x 10 cells", (8, 10), 3e-3, workers=1),
-    CurveVariant("14 x 12 cells", (14, 12), 3e-3, workers=1),
+    CurveVariant("the scene", (6, 10), 1.0),
+    CurveVariant("one process", (6, 10), 1.0, workers=1),
+    CurveVariant("tighter", (6, 10), 1 / 3, workers=1),
+    CurveVariant("4 x 6 cells", (4, 6), 1.0, workers=1),
+    CurveVariant("4 x 10 cells", (4, 10), 1.0, workers=1),
+    CurveVariant("8 x 10 cells", (8, 10), 1.0, workers=1),
+    CurveVariant("14 x 12 cells", (14, 12), 1.0, workers=1),
 )
-TIGHT = CurveVariant("tight tolerance", (6, 10), 1e-4)
-FINE = CurveVariant("finer cells", (18, 16), 1e-3)
+TIGHT = CurveVariant("tight tolerance", (6, 10), 1 / 30)
+
+
+@dataclass(frozen=True)
+class CurveCase:
+    """A scene, the length of its run s, and the strips and cells and tolerance of the finer run."""
+
+    scene: str
+    seconds: float
+    fine: CurveVariant
+
+
+CASES = (
+    CurveCase("curve", 10.0, CurveVariant("finer cells", (18, 16), 1 / 3)),
+    CurveCase("irregular", 2.2, CurveVariant("finer cells", (12, 14), 1 / 3)),
+)
 
 
 @dataclass(frozen=True)
@@ -82,8 +99,10 @@ def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, second
         history = simulate(
             wagon_dynamics(wagon(scene), track(scene), parallel, scene.vehicle.speed_profile),
             (0.0, seconds),
-            steps=StepSettings(variant.method, variant.rtol, 1e-3 * variant.rtol),
-            recording=Recording(EVERY),
+            steps=StepSettings(
+                variant.method, variant.tolerance * scene.solver.rtol, variant.tolerance * scene.solver.atol
+            ),
+            recording=Recording(scene.output.interval),
         )
         return TimedRun(variant, history, perf_counter() - began, process_time() - used)
 
@@ -106,7 +125,7 @@ def differences(tested: TimedRun, reference: TimedRun) -> tuple[float, float, fl
 COLUMNS = (
     "run",
     "cells",
-    "rtol",
+    "tolerance over the scene's",
     "processes",
     "wall s",
     "processor s",
@@ -132,7 +151,7 @@ def row(timed_run: TimedRun, tight: TimedRun, fine: TimedRun) -> list[str]:
     return [
         v.name if timed_run.history.status == "completed" else f"{v.name}: {timed_run.history.status}",
         "{} x {}".format(*v.fineness),
-        f"{v.rtol:.0e}",
+        f"{v.tolerance:.2g}",
         str(v.workers),
         f"{timed_run.seconds:.1f}",
         f"{timed_run.processor:.1f}" if v.workers == 1 else "",
@@ -153,7 +172,7 @@ def draw(runs: list[TimedRun], tight: TimedRun, fine: TimedRun, path: Path) -> N
     fig, (left, middle, right) = plt.subplots(1, 3, figsize=(14, 4), layout="constrained")
     for timed_run, style in ((fine, "k-"), (runs[0], "C1--")):
         time = timed_run.history.time
-        label = "{} x {} cells, rtol {:g}".format(*timed_run.variant.fineness, timed_run.variant.rtol)
+        label = "{} x {} cells, tolerance {:.2g}".format(*timed_run.variant.fineness, timed_run.variant.tolerance)
         left.plot(time, 1e3 * timed_run.history.state[:, 6], style, lw=1.2, label=label)
         for side in (0, 1):
             middle.plot(time, 1e-3 * timed_run.history.force[:, 0, side, 2], style, lw=1.2)
@@ -172,36 +191,47 @@ def draw(runs: list[TimedRun], tight: TimedRun, fine: TimedRun, path: Path) -> N
     fig.savefig(path, dpi=130)
 
 
-def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=10.0, help="length of the run; 10 is the whole scene")
-    parser.add_argument("--quick", action="store_true", help="only the unchanged scene and the run at tight tolerance")
-    parser.add_argument("--picture", type=Path, help="file for the figure")
-    parser.add_argument("--json", type=Path, help="file for the table's rows")
-    arguments = parser.parse_args()
-    scene = load_scene(SCENE)
+def measured(case: CurveCase, seconds: float, quick: bool, console: Console) -> list[TimedRun]:
+    """Runs of a scene: at a tight tolerance, with finer strips and cells, and all variants."""
+    scene = load_scene(SCENES / f"{case.scene}.toml")
     assert isinstance(scene, RunScene)
-    console = Console(stderr=True)
     contact = wheelset_contact(scene)
     run(scene, contact, VARIANTS[0], 0.02)  # compilation and compliance
     runs: list[TimedRun] = []
-    for variant in (TIGHT, VARIANTS[0]) if arguments.quick else (FINE, TIGHT, *VARIANTS):
-        with console.status(f"{variant.name}, {variant.fineness[0]} x {variant.fineness[1]} cells"):
-            runs.append(run(scene, contact, variant, arguments.seconds))
-        console.print(f"{variant.name}: {runs[-1].seconds:.1f} s, {runs[-1].history.status}")
-    fine, tight = runs[0], runs[0 if arguments.quick else 1]
-    rows = [row(timed_run, tight, fine) for timed_run in runs]
-    print(
-        f"{machine_description()}\n\n{arguments.seconds:g} s of scenes/curve.toml; preparation excluded; "
-        "forces in % of the load\n"
-    )
-    print(f"| {' | '.join(COLUMNS)} |\n|{'---|' * len(COLUMNS)}")
-    for cells in rows:
-        print(f"| {' | '.join(cells)} |")
+    for variant in (TIGHT, VARIANTS[0]) if quick else (case.fine, TIGHT, *VARIANTS):
+        name = f"{case.scene}, {variant.name}"
+        with console.status(f"{name}, {variant.fineness[0]} x {variant.fineness[1]} cells"):
+            runs.append(run(scene, contact, variant, seconds))
+        console.print(f"{name}: {runs[-1].seconds:.1f} s, {runs[-1].history.status}")
+    return runs
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", choices=[case.scene for case in CASES], help="one scene alone")
+    parser.add_argument("--seconds", type=float, help="length of the runs, at most (10 and 2.2)")
+    parser.add_argument("--quick", action="store_true", help="only the unchanged scene and the run at tight tolerance")
+    parser.add_argument("--picture", type=Path, help="file for the figure of the curve")
+    parser.add_argument("--json", type=Path, help="file for the tables' rows")
+    arguments = parser.parse_args()
+    console, tables = Console(stderr=True), dict[str, list[dict[str, str]]]()
+    print(machine_description())
+    for case in CASES:
+        if arguments.only not in (None, case.scene):
+            continue
+        seconds = min(arguments.seconds or case.seconds, case.seconds)
+        runs = measured(case, seconds, arguments.quick, console)
+        fine, tight = runs[0], runs[0 if arguments.quick else 1]
+        rows = [row(timed_run, tight, fine) for timed_run in runs]
+        print(f"\n{seconds:g} s of scenes/{case.scene}.toml; preparation excluded; forces in % of the load\n")
+        print(f"| {' | '.join(COLUMNS)} |\n|{'---|' * len(COLUMNS)}")
+        for cells in rows:
+            print(f"| {' | '.join(cells)} |")
+        tables[case.scene] = [dict(zip(COLUMNS, cells, strict=True)) for cells in rows]
+        if arguments.picture and case is CASES[0]:
+            draw(runs[2:] or runs[1:], tight, fine, arguments.picture)
     if arguments.json:
-        arguments.json.write_text(json.dumps([dict(zip(COLUMNS, cells, strict=True)) for cells in rows], indent=1))
-    if arguments.picture:
-        draw(runs[2:] or runs[1:], tight, fine, arguments.picture)
+        arguments.json.write_text(json.dumps(tables, indent=1))
 
 
 if __name__ == "__main__":

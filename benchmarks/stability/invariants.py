@@ -16,7 +16,7 @@ from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.wheelset import ContactModel
-from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.support.arrays import Array
 
 LIMITS = {
@@ -78,7 +78,7 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
         undeformed, unloaded, at_middles = _strips(pose, motion, result, model)
         error = float(np.abs(at_middles - fields.penetration).max())
         if case.friction > 0:
-            beyond, residual = _friction(case, pose, motion, result, model)
+            beyond, residual = _friction(case, fields, _levels(pose, motion, result, model))
             law = residual / most
     # deformed penetration minus that of the penalty: zero at loaded points, negative at open ones
     d = undeformed + fields.displacement[:, 2] - p * case.laws.normal_compliance
@@ -122,30 +122,27 @@ def _levels(
 
 
 def _friction(
-    case: SampledCase, pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact
+    case: SampledCase, fields: Fields, levels: list[tuple[LatticeProblem, LatticeState]]
 ) -> tuple[Array, Array]:
     """Tractions Pa beyond their largest mean in each cell (n,), and the residual Pa of the law (n,), its mean over a
     pressure that varies linearly in the cell: q - m y / |y| with y = rho q - s, m the mean of the lesser of
     |y| / (rho + eps / b) and mu p, and b the mean of mu p.
     """
-    excess, residuals = [], []
-    for problem, state in _levels(pose, motion, result, model):
-        q = state.tractions.transpose(0, 2, 1).reshape(-1, 2)
-        slip = problem.evaluate(state).slip.transpose(0, 2, 1).reshape(-1, 2)
-        pressure = np.einsum("sm,rkm->ksr", state.modes, problem.basis.ends).reshape(2, -1)
-        bounds, rho = case.friction * np.maximum(pressure, 0.0), np.tile(problem.rho, len(state.strips))
-        y = rho[:, None] * q - slip
-        size = np.maximum(np.hypot(*y.T), 1e-300)
-        mean = _mean_of_lesser(size / (rho + case.regularisation / np.maximum(bounds.mean(axis=0), 1e-300)), bounds)
-        excess.append(np.hypot(*q.T) - bounds.mean(axis=0))
-        residuals.append(np.hypot(*(q - (mean / size)[:, None] * y).T))
-    return np.concatenate(excess), np.concatenate(residuals)
+    ends = [np.einsum("sm,rkm->ksr", state.modes, problem.basis.ends).reshape(2, -1) for problem, state in levels]
+    varied = np.concatenate([part - part.mean(axis=0) for part in ends], axis=1)
+    bounds = case.friction * np.maximum(fields.pressure + varied, 0.0)
+    rho = np.concatenate([np.tile(problem.rho, len(state.strips)) for problem, state in levels])
+    y = rho[:, None] * fields.traction - fields.slip
+    size = np.maximum(np.hypot(*y.T), 1e-300)
+    mean = _mean_of_lesser(size / (rho + case.regularisation / np.maximum(bounds.mean(axis=0), 1e-300)), bounds)
+    residual = np.hypot(*(fields.traction - (mean / size)[:, None] * y).T)
+    return np.hypot(*fields.traction.T) - bounds.mean(axis=0), residual
 
 
 def _mean_of_lesser(t: Array, bounds: Array) -> Array:
     """Means (n,) of the lesser of t (n,) and a bound that varies linearly between two values, (2, n)."""
     low, high = np.sort(bounds, axis=0)
-    narrow = high - low < NARROW * high
+    narrow = high - low <= NARROW * high
     beyond = np.maximum(t - low, 0.0) ** 2 - np.maximum(t - high, 0.0) ** 2
     mean = t - beyond / (2 * np.where(narrow, 1.0, high - low))
     return np.where(narrow, np.minimum(t, 0.5 * (low + high)), mean)

@@ -60,7 +60,7 @@ class LatticeContact:
         tangential: steady "rolling", or "shift", one step of tangential loading from none (Cattaneo, Mindlin): the
             motion's velocities are displacements in m and rad.
         tolerance: of the last step, relative to the largest pressure and length; it is taken. With a new Jacobian the
-            error is about its square, with a kept one up to half of it, that of forces some 1e-7 at the default.
+            error is about its square, with a kept one up to 0.3 of it, that of forces some 1e-7 at the default.
         estimate: results carry an error estimate, from two lattices of half the resolution.
         offset: of the lattice, in strips.
         level: halvings of the strips' width, see `wheelrail.contact.models.lattice.levels`. Level 0, the model itself,

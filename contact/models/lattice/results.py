@@ -64,10 +64,10 @@ class SolutionDetails:
         if problem.law is not None:
             q = state.tractions.transpose(0, 2, 1).reshape(-1, 2)
             slip = evaluation.slip.transpose(0, 2, 1).reshape(-1, 2)
-            rho = np.broadcast_to(problem.rho, evaluation.pressure.shape)
-            margin = problem.law.margins(
-                state.tractions, evaluation.slip, evaluation.pressure, rho, problem.speed
-            ).ravel()
+            margins = problem.law.margins(
+                state.tractions, evaluation.slip, evaluation.pressure, problem.rho, problem.speed
+            )
+            margin = margins.ravel()
         grid = strip_grid(state.values, problem.of(state.strips).places, problem.basis)
         result = assemble_result(
             FrictionalWork(places, q, margin > 0, problem.motion, 0.0 if problem.shifts else problem.speed),

@@ -327,7 +327,8 @@ def test_warm_start_tracks_the_contact() -> None:
         assert found.ok
         np.testing.assert_allclose(found.force, cold.force, atol=1e-6 * cold.force[2])
         np.testing.assert_allclose(found.moment, cold.moment, atol=1e-6 * np.linalg.norm(cold.moment))
-        assert found.patches[0].area == pytest.approx(cold.patches[0].area, rel=1e-5)
+        # at its end a patch is as long as strips with a thousandth of the load let it be
+        assert found.patches[0].area == pytest.approx(cold.patches[0].area, rel=1e-4)
         assert guess is None or found.statistics.newton < cold.statistics.newton
         guess = found
 

@@ -18,13 +18,14 @@ from wheelrail.support.compiled import compiled
 
 STEPS = 8  # with the same factors
 CONTRACTION = 0.5  # of a step, for another one with the same factors: Deuflhard's
+LEFT = 0.3  # of the tolerance, error left by the last step if the following ones contracted like it
 
 
 class Steps(NamedTuple):
     """State after some steps with the same factors.
 
     Parameters:
-        converged: whether the next step is below the tolerance.
+        converged: whether the next step is below the tolerance, and what it will leave below `LEFT` times that.
         values: (S, block), the state.
         step: (S, block), the next one.
         leaves: (S,) strips that leave by it.
@@ -79,8 +80,7 @@ def further_steps(
     solver: Lapack,
     tolerance: float,
 ) -> Steps:
-    """Full steps as long as they contract, no strip leaves or grows too much, and the next step is longer than the
-    tolerance.
+    """Full steps as long as they contract, no strip leaves or grows too much, and the state has not converged.
 
     Parameters:
         values, step: (S, block), initial state and first step.
@@ -90,10 +90,11 @@ def further_steps(
     start, whole = values, data.places.whole
     steps, squares = np.empty((STEPS, *values.shape)), np.empty(STEPS)
     size, before = relative_size(start, step)
-    first, k = np.inf, 0
+    first, rate, k = np.inf, 0.0, 0
     while True:
         leaves = leaving(values, step, size, whole)
-        if size < tolerance or k == STEPS or leaves.any() or longest(values, step) < 1.0:
+        converged = size < tolerance and size * rate < LEFT * tolerance * (1.0 - rate)
+        if converged or k == STEPS or leaves.any() or longest(values, step) < 1.0:
             break
         trial = moved(values, step, 1.0, whole)
         ahead = evaluate(trial, data)
@@ -105,13 +106,13 @@ def further_steps(
         for i in range(1, k):
             following += inner_product(start, following, steps[i - 1]) / squares[i - 1] * steps[i]
         size_after, after = relative_size(start, following)
+        rate = after / before
         if k == 1:
-            first = after / before
-        if after < before:
+            first = rate
+        if rate < 1.0:
             values, step, evaluation, size = trial, following, ahead, size_after
-        if not after < CONTRACTION * before:
+        if not rate < CONTRACTION:
             break
         step = following / (1.0 - inner_product(start, following, steps[k - 1]) / squares[k - 1])
         size, before = relative_size(start, step)
-    converged = size < tolerance and not leaves.any()
-    return Steps(converged, values, step, leaves, size, first, evaluation, k)
+    return Steps(converged and not leaves.any(), values, step, leaves, size, first, evaluation, k)

@@ -46,16 +46,10 @@ class CellFriction:
             tractions: (S, 2, M) Pa.
             slip: (S, 2, M), over the speed.
             pressure: (S, M) Pa.
-            rho: (S, M) 1/Pa.
+            rho: (M,) 1/Pa.
             speed: m/s.
         """
-        q, s, p, r = _by_point(tractions, slip, pressure, rho)
-        bound = self.functions.coefficient(np.hypot(*s) * speed, p) * p
-        sticks = np.hypot(*(r * q - s)) < r * bound + self.regularisation
-        return np.where(sticks, np.maximum(bound - np.hypot(*q), 0.0), 0.0).reshape(pressure.shape)
-
-
-def _by_point(tractions: Array, slip: Array, pressure: Array, rho: Array) -> tuple[Array, Array, Array, Array]:
-    """Tractions and slips (2, S M), pressures that are not negative and rho (S M,)."""
-    q, s = (np.ascontiguousarray(values.transpose(1, 0, 2)).reshape(2, -1) for values in (tractions, slip))
-    return q, s, np.maximum(pressure, 0.0).ravel(), np.ascontiguousarray(rho).ravel()
+        q, s, p = tractions.transpose(1, 0, 2), slip.transpose(1, 0, 2), np.maximum(pressure, 0.0)
+        bound = (self.functions.coefficient(np.hypot(*s).ravel() * speed, p.ravel()) * p.ravel()).reshape(p.shape)
+        sticks = np.hypot(*(rho * q - s)) < rho * bound + self.regularisation
+        return np.where(sticks, np.maximum(bound - np.hypot(*q), 0.0), 0.0)
