@@ -75,10 +75,11 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
     beyond, law = np.hypot(*q.T) - bound, astray / power_scale
     undeformed, unloaded, error = fields.penetration, 0.0, 0.0
     if isinstance(model, LatticeContact):
-        undeformed, unloaded, at_middles = _strips(pose, motion, result, model)
+        levels = _levels(pose, motion, result, model)
+        undeformed, unloaded, at_middles = _strips(levels)
         error = float(np.abs(at_middles - fields.penetration).max())
         if case.friction > 0:
-            beyond, residual = _friction(case, fields, _levels(pose, motion, result, model))
+            beyond, residual = _friction(case, fields, levels)
             law = residual / most
     # deformed penetration minus that of the penalty: zero at loaded points, negative at open ones
     d = undeformed + fields.displacement[:, 2] - p * case.laws.normal_compliance
@@ -99,14 +100,12 @@ def findings(case: SampledCase, depth: float, result: ContactResult, model: Cont
     }
 
 
-def _strips(
-    pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact
-) -> tuple[Array, float, Array]:
+def _strips(levels: list[tuple[LatticeProblem, LatticeState]]) -> tuple[Array, float, Array]:
     """Undeformed penetration m of cells, the mean over the widths of their strips by Simpson's rule, with the gap left
     on strips that touch on a part of their width, and the largest penetration m that remains at an edge of unloaded
     strips between the ends of their undeformed one; the former at the middles, without the gap.
     """
-    depths, unloaded, at_middles = zip(*(_level(*part) for part in _levels(pose, motion, result, model)), strict=True)
+    depths, unloaded, at_middles = zip(*(_level(*part) for part in levels), strict=True)
     return np.concatenate(depths), max(unloaded), np.concatenate(at_middles)
 
 

@@ -127,11 +127,7 @@ class PiecewiseFunction:
 
     def integral(self, s: float) -> float:
         """Exact integral from 0 to s."""
-        return self.values[0] * s if len(self.stations) == 1 else self._area(s) - self._area_before_zero
-
-    @cached_property
-    def _area_before_zero(self) -> float:
-        return self._area(0.0)
+        return self.values[0] * s if len(self.stations) == 1 else self._area(s) - self._area(0.0)
 
     @cached_property
     def _areas(self) -> list[float]:

@@ -205,9 +205,10 @@ class LatticeContact:
         kept = NO_FACTORS
         try:
             if remain.all():
+                data = problem.of(state.strips)
                 steps = chords(
                     state.values,
-                    problem.of(state.strips),
+                    data,
                     earlier.factors,
                     lapack(),
                     self.tolerance,
@@ -216,8 +217,7 @@ class LatticeContact:
                 count.linear += steps.evaluations
                 state = LatticeState(state.strips, steps.values)
                 if steps.converged:
-                    whole = problem.places(state.strips).whole
-                    state = LatticeState(state.strips, moved(steps.values, steps.step, 1.0, whole))
+                    state = LatticeState(state.strips, moved(steps.values, steps.step, 1.0, data.places.whole))
                     new = entering(problem, state, set())
                     if new is None:
                         count.residual = steps.size
