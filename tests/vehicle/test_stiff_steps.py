@@ -137,3 +137,29 @@ def test_states_within_a_step_do_not_multiply_stiff_errors() -> None:
     for states, least, largest in ((step, 0.0, 2e-6), (by_rates, 4e-5, 1e-3)):
         inside = np.array([states.at(t) for t in np.linspace(0.05, 0.35, 7)])
         assert least <= np.abs(inside[:, 2] - inside[:, 0]).max() <= largest
+
+
+def test_stiff_parts_bend_as_their_motion_does() -> None:
+    """A stiff component that follows sin(x): the parabola through three ends errs by a tenth of a straight line."""
+    stiffness = 1e3
+
+    def rhs(t: float, x: np.ndarray, previous: Rate | None) -> Rate:
+        return Rate(np.array([1.0, -stiffness * (x[1] - np.sin(x[0])) + np.cos(x[0])]))
+
+    def jacobian(t: float, x: np.ndarray, at: Rate) -> VehicleLinearisation:
+        slope = stiffness * np.cos(x[0]) - np.sin(x[0])
+        return VehicleLinearisation(np.array([[0.0, 0.0], [slope, -stiffness]]), np.zeros(2))
+
+    h = 0.1
+    settings = StepSettings("rosenbrock", 1.0, 1.0, max_step=h)
+    start, first = np.array([1.0, np.sin(1.0)]), FirstStep[Rate](length=h)
+    steps = list(integrate(rhs, 0.0, start, 0.5, settings, jacobian=jacobian, first=first))
+    assert steps[0].before is None
+    for step, last in zip(steps[1:], steps[:-1], strict=True):
+        time, state = step.before or (np.nan, start)
+        assert (time, *state) == (last.t0, *last.x0)
+        inside = np.linspace(step.t0, step.t, 9)[1:-1]
+        parabola, line = (
+            np.abs([s[1] - np.sin(s[0]) for s in map(of.at, inside)]).max() for of in (step, replace(step, before=None))
+        )
+        assert parabola < 0.1 * line

@@ -16,6 +16,7 @@ from wheelrail.vehicle.integration.problem import (
     E,
     Follow,
     Forcing,
+    Instant,
     Linearise,
     RightHandSide,
     StepFailure,
@@ -45,6 +46,7 @@ class Step(Generic[E]):
         following: length of the next step, s.
         forcing: motion from which the difference is integrated; None: zero.
         damping: of stiff parts of changes within the step; None: of none.
+        before: time s and state (n,) at the start of the step before; None: of the first step.
     """
 
     t0: float
@@ -57,22 +59,40 @@ class Step(Generic[E]):
     following: float
     forcing: Forcing | None = None
     damping: Damping | None = None
+    before: Instant | None = None
 
     def at(self, time: float) -> Array:
-        """State at a time s within the step, by cubic Hermite interpolation of the difference from the forcing, with
-        damped stiff parts of what is not linear.
-        """
-        if self.forcing is None:
-            return self._interpolated(time, self.start.rate, self.end.rate, self.x0, self.x)
-        (p0, v0, _), (p1, v1, _) = self.forcing(self.t0), self.forcing(self.t)
-        rates = self.start.rate - v0, self.end.rate - v1
-        return np.asarray(self.forcing(time)[0] + self._interpolated(time, *rates, self.x0 - p0, self.x - p1))
+        """State at a time s within the step, by interpolation of the difference from the forcing.
 
-    def _interpolated(self, time: float, rate0: Array, rate: Array, x0: Array, x: Array) -> Array:
+        Stiff parts of what is not linear in the cubic Hermite interpolation are those of a parabola through both ends
+        and the start of the step before.
+        """
         h = self.t - self.t0
         u = (time - self.t0) / h
+        (x0, rate0), (x, rate) = self._difference(self.t0, self.x0), self._difference(self.t, self.x)
+        rate0, rate = self.start.rate - rate0, self.end.rate - rate
         bow = (1 - 2 * u) * (x - x0) + h * ((u - 1) * rate0 + u * rate)
-        return np.asarray((1 - u) * x0 + u * x + u * (u - 1) * (bow if self.damping is None else self.damping(bow)))
+        if self.damping is not None:
+            parabola = self._parabola(x0, x)
+            bow = parabola + self.damping(bow - parabola)
+        state = (1 - u) * x0 + u * x + u * (u - 1) * bow
+        return np.asarray(state if self.forcing is None else self.forcing(time)[0] + state)
+
+    def _difference(self, time: float, state: Array) -> tuple[Array, Array]:
+        """Difference (n,) of a state from the forcing, and the rate (n,) of the latter."""
+        if self.forcing is None:
+            return state, np.zeros_like(state)
+        position, rate, _ = self.forcing(time)
+        return state - position, rate
+
+    def _parabola(self, x0: Array, x: Array) -> Array:
+        """Half its second derivative (n,) times the squared length of the step; zero in the first step."""
+        if self.before is None:
+            return np.zeros_like(x)
+        time, _ = self.before
+        h, past = self.t - self.t0, self.t0 - time
+        earlier, _ = self._difference(*self.before)
+        return np.asarray(h * h * ((x - x0) / h - (x0 - earlier) / past) / (h + past))
 
 
 @dataclass(frozen=True)
@@ -135,11 +155,13 @@ class FirstStep(Generic[E]):
         evaluation: at the initial state; None: computed.
         length: of the first step, s; None: estimated.
         error_before: error of the step before it, in tolerances.
+        before: time s and state (n,) at the start of that step; None: there is none.
     """
 
     evaluation: E | None = None
     length: float | None = None
     error_before: float = 1.0
+    before: Instant | None = None
 
 
 def integrate(
@@ -179,7 +201,9 @@ def integrate(
     control, counts = settings.control, counts if counts is not None else StepStatistics()
     trial_step, k = _method(rhs, settings.tableau, jacobian, counts, follow), settings.tableau.error_order + 1
     t, x = t0, np.array(x0, dtype=float)
-    start, h, error_before = _initial(rhs, t, x, settings, first or FirstStep(), counts)
+    first = first or FirstStep()
+    start, h, error_before = _initial(rhs, t, x, settings, first, counts)
+    before = first.before
     first_trial = True
     reason: StepFailure | None = None
     while t < t1:
@@ -211,9 +235,9 @@ def integrate(
             error, h = error * (proposed / h) ** k, proposed
         factor = control.factor(error, error_before, k)
         h = min(settings.max_step, h * (factor if first_trial else min(1.0, factor)))
-        step = Step(
-            t, x, start, after, new, end, error, h, None if follow is None else follow(t, x), trial_step.damping
-        )
+        forcing = None if follow is None else follow(t, x)
+        step = Step(t, x, start, after, new, end, error, h, forcing, trial_step.damping, before)
+        before = t, x
         t, x, start, error_before, first_trial, reason = after, new, end, error, True, None
         yield step
 

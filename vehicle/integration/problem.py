@@ -49,6 +49,9 @@ Linearise = Callable[[float, Array, E], HasDerivatives]
 Forcing = Callable[[float], Array]  # motion near the solution, and its first two derivatives by time: (3, n)
 
 
+Instant = tuple[float, Array]  # time s and state (n,)
+
+
 Damping = Callable[[Array], Array]  # a change (n,) within a step without its stiff parts
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from wheelrail.contact.element.contact_element import ElementState
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.integration.problem import Instant
 from wheelrail.vehicle.multibody.contact_differences import ContactDifferences
 from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.row import Row
@@ -26,6 +27,7 @@ class Checkpoint:
         state: (n,).
         step: length of the next step, s; None: not yet estimated.
         error: of the last step, in tolerances.
+        before: time s and state (n,) at the start of the last step; None: there is none.
         guess: warm starts of the contact solves at the state; None: none.
         differences: contact tangents by differences; None: of a model that has its own, or not yet computed.
         cost: of the run so far.
@@ -36,6 +38,7 @@ class Checkpoint:
     state: Array
     step: float | None
     error: float
+    before: Instant | None
     guess: WarmStarts | None
     differences: ContactDifferences | None
     cost: RunCost

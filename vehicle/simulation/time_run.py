@@ -135,7 +135,7 @@ class TimeRun:
     def _start(self, initial: Array | None) -> Checkpoint:
         time = self.span[0]
         state = start_state(self.dynamics, time) if initial is None else initial.astype(float)
-        return Checkpoint(time, state, None, 1.0, None, None, self.cost, self.recorder.rows)
+        return Checkpoint(time, state, None, 1.0, None, None, None, self.cost, self.recorder.rows)
 
     def _integrate(self, at: Checkpoint) -> None:
         """Integrates from a checkpoint to the end of the span."""
@@ -151,7 +151,7 @@ class TimeRun:
             self.span[1],
             self.steps,
             jacobian=jacobian,
-            first=FirstStep(first, at.step, at.error),
+            first=FirstStep(first, at.step, at.error, at.before),
             counts=self.cost.steps,
             follow=rail_following(self.dynamics),
             next_end=self._next_end if self.dynamics.drifts else None,
@@ -179,6 +179,7 @@ class TimeRun:
             step.x,
             step.following,
             step.error,
+            (step.t0, step.x0),
             self._warm_starts(step.end),
             jacobian.differences,
             deepcopy(self.cost),

@@ -64,6 +64,10 @@ def _checkpoint(payload: bytes) -> Checkpoint:
     return checkpoint
 
 
+def _is_instant(value: object, shape: tuple[int, ...]) -> bool:
+    return isinstance(value, tuple) and len(value) == 2 and isinstance(value[0], float) and is_array(value[1], shape)
+
+
 def _usable(at: Checkpoint) -> bool:
     numbers = (at.time, at.error, *(() if at.step is None else (at.step,)))
     shape = np.shape(at.state)
@@ -72,6 +76,7 @@ def _usable(at: Checkpoint) -> bool:
         and is_array(at.state, shape)
         and len(shape) == 1
         and isinstance(at.cost, RunCost)
+        and (at.before is None or _is_instant(at.before, shape))
         and isinstance(at.guess, dict | None)
         and isinstance(at.rows, list)
         and all(isinstance(row, Row) and row.is_valid(shape) for row in at.rows)
