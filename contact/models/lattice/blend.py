@@ -70,7 +70,7 @@ class BlendedForce:
         total = _mean(self.shares.share, self.first.tangent(), self.second.tangent())
         assert self.shares.change is not None
         loads = [np.concatenate([result.force, result.moment]) for result in (self.first, self.second)]
-        total[:, :6] += np.outer(loads[0] - loads[1], self.shares.change())
+        total += np.outer(loads[0] - loads[1], self.shares.change())
         return total
 
 

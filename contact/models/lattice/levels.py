@@ -13,6 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wheelrail.contact.models.lattice.bulk_displacement import NONE, BulkDisplacement
+from wheelrail.contact.models.lattice.derivatives import CHANGES
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.penetrated_width import maxima, penetrated_width, strips_across
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
@@ -27,14 +29,21 @@ FINEST = 5  # level, with 14 strips for patches of 0.1 N on a tread; less has fe
 
 @dataclass(frozen=True, eq=False)
 class LevelSolutions:
-    """Solutions on levels other than the ordinary one, or on two of them."""
+    """Solutions on levels other than the ordinary one, or on two of them.
+
+    Parameters:
+        levels: one or two, whose forces count.
+        solutions: on these; None without load.
+        ordinary: of finite bodies, on the ordinary level, from which their displacement is.
+    """
 
     levels: tuple[int, ...]
     solutions: tuple[LatticeSolution | None, ...]
+    ordinary: LatticeSolution | None = None
 
     def on(self, level: int) -> LatticeSolution | None:
         """The solution on a level; None without."""
-        return dict(zip(self.levels, self.solutions, strict=True)).get(level)
+        return dict(zip((0, *self.levels), (self.ordinary, *self.solutions), strict=True)).get(level)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +53,7 @@ class LevelShares:
     Parameters:
         levels: one or two successive ones.
         share: of the first.
-        change: computes the derivative (6,) of the share by the pose; None of a single level.
+        change: computes the derivative (12,) of the share by pose and motion; None of a single level.
     """
 
     levels: tuple[int, ...] = (0,)
@@ -55,26 +64,44 @@ class LevelShares:
 ORDINARY = LevelShares()
 
 
-def level_shares(problem: LatticeProblem, strips: int) -> LevelShares:
-    """Levels for a pose, from the equations on ordinary strips and their number over a usual patch."""
-    if strips_across(problem.depth) > SURELY * ENOUGH * strips:
+def level_shares(problem: LatticeProblem, strips: int, bulk: BulkDisplacement | None = None) -> LevelShares:
+    """Levels for a pose.
+
+    Parameters:
+        problem: equations on ordinary strips.
+        strips: their number over a usual patch.
+        bulk: displacement of finite bodies in their solution; None of half-spaces, and without a load.
+    """
+    depth, lift = problem.depth, NONE
+    if bulk is not None:
+        depth, inside = depth.copy(), np.flatnonzero(depth > 0)
+        depth[inside] -= bulk.at(inside)
+    if strips_across(depth) > SURELY * ENOUGH * strips:
         return ORDINARY
+    if bulk is not None:
+        lift = bulk.lift
+        depth = problem.depth - np.interp(problem.middle, *lift)
     data = motion_data(problem.pose, problem.motion, 1.0)
-    lattice = problem.surface, data.origin, data.rotation, problem.middle, problem.width
-    pieces = maxima(*lattice, problem.depth)
-    across, _ = penetrated_width(*lattice, *pieces, False)
+    at, lattice = (problem.surface, data.origin, data.rotation), (problem.middle, problem.width)
+    pieces = maxima(*at, lift, *lattice, depth)
+    across, _ = penetrated_width(*at, lift, *lattice, *pieces, False)
     if not across > 0:
         return ORDINARY
     fraction = across / strips
     level = int(np.clip(np.ceil(np.log2(LEAST / fraction)), 0, FINEST))
-    at = (2.0**level * fraction - LEAST) / (ENOUGH - LEAST)
-    if at >= 1:
+    rest = (2.0**level * fraction - LEAST) / (ENOUGH - LEAST)
+    if rest >= 1:
         return LevelShares((level,)) if level else ORDINARY
-    if at <= 0 or level == FINEST:
+    if rest <= 0 or level == FINEST:
         return LevelShares((min(level + 1, FINEST),))
 
     def change() -> Array:
-        by_number = 2.0**level / strips / (ENOUGH - LEAST) * 30 * at**2 * (1 - at) ** 2
-        return np.asarray(by_number * penetrated_width(*lattice, *pieces, True)[1])
+        by_number = 2.0**level / strips / (ENOUGH - LEAST) * 30 * rest**2 * (1 - rest) ** 2
+        _, slopes = penetrated_width(*at, lift, *lattice, *pieces, True)
+        total = np.zeros(CHANGES)
+        total[:6] = slopes[:6]
+        if bulk is not None:
+            total += bulk.changes(slopes[6:])
+        return by_number * total
 
-    return LevelShares((level, level + 1), at**3 * (10 - 15 * at + 6 * at**2), change)
+    return LevelShares((level, level + 1), rest**3 * (10 - 15 * rest + 6 * rest**2), change)

@@ -16,6 +16,7 @@ from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.lattice.blend import blended
+from wheelrail.contact.models.lattice.bulk_displacement import BulkDisplacement
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
@@ -88,21 +89,46 @@ class LatticeContact:
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         """Result of a pose and motion; the guess changes the number of iterations only."""
         problem = self.problem(pose, motion)
-        shares = level_shares(problem, self.resolution.strips) if self.level == 0 else ORDINARY
-        result = self.solve(problem, guess) if shares is ORDINARY else self._on_levels(shares, problem, guess)
+        if self.level > 0:
+            result = self.solve(problem, guess)
+        elif self.tables.bodies:
+            result = self._on_finite_bodies(problem, guess)
+        else:
+            shares = level_shares(problem, self.resolution.strips)
+            result = self.solve(problem, guess) if shares is ORDINARY else self._on_levels(shares, problem, guess)
         if not (self.estimate and result.patches):
             return result
         return replace(result, error_estimate=estimate(result, [model(pose, motion) for model in self.coarse]))
 
-    def _on_levels(self, shares: LevelShares, problem: LatticeProblem, guess: ContactResult | None) -> ContactResult:
-        """Result of a narrow contact."""
-        models = [self.on(level) for level in shares.levels]
-        problems = [own.problem(problem.pose, problem.motion) if own is not self else problem for own in models]
-        results = [own.solve(at, guess) for own, at in zip(models, problems, strict=True)]
+    def _on_finite_bodies(self, problem: LatticeProblem, guess: ContactResult | None) -> ContactResult:
+        """Result of finite bodies, whose displacement on ordinary strips tells how wide the contact is."""
+        ordinary = self.solve(problem, guess)
+        if not ordinary.ok:
+            return ordinary
+        solution = _solution(ordinary)
+        bulk = None if solution is None else BulkDisplacement(problem, solution)
+        shares = level_shares(problem, self.resolution.strips, bulk)
+        return ordinary if shares is ORDINARY else self._on_levels(shares, problem, guess, ordinary)
+
+    def _on_levels(
+        self,
+        shares: LevelShares,
+        problem: LatticeProblem,
+        guess: ContactResult | None,
+        ordinary: ContactResult | None = None,
+    ) -> ContactResult:
+        """Result of a narrow contact; ordinary: that on ordinary strips, if it is known."""
+        known = {} if ordinary is None else {0: ordinary}
+        for level in shares.levels:
+            if level not in known:
+                model = self.on(level)
+                at = problem if model is self else model.problem(problem.pose, problem.motion)
+                known[level] = model.solve(at, guess)
+        results = [known[level] for level in shares.levels]
         result = results[0] if len(results) == 1 else blended(results[0], results[1], shares)
-        starts = [own.warm_start for own in results]
-        solutions = tuple(start if isinstance(start, LatticeSolution) else None for start in starts)
-        return replace(result, warm_start=LevelSolutions(shares.levels, solutions))
+        solutions = {level: _solution(own) for level, own in known.items()}
+        counted = tuple(solutions[level] for level in shares.levels)
+        return replace(result, warm_start=LevelSolutions(shares.levels, counted, solutions.get(0)))
 
     def on(self, level: int) -> LatticeContact:
         """The model on one level of its lattice alone, stored."""
@@ -268,3 +294,8 @@ class LatticeContact:
         if len(apart.strips):
             state = cold_start(problem, self.laws, cells, IterationCount(), (apart.strips, apart.ends))
         return LatticeNewton(problem, self.tolerance, count).solve(state, iterations=ITERATIONS)
+
+
+def _solution(result: ContactResult) -> LatticeSolution | None:
+    """That of a result; None without load."""
+    return result.warm_start if isinstance(result.warm_start, LatticeSolution) else None

@@ -61,6 +61,13 @@ class LatticeTangent:
             total[:, :6] += co_moving_load(resultants(values, data), problem.pose.origin)
         return np.asarray(total)
 
+    def by_unknowns(self, weight: Array) -> Array:
+        """Derivative (12,) by pose and motion of a sum of the unknowns with weights (n,)."""
+        linearisation = self.problem.linearise(self.solution.state)
+        factors = Factors.of(linearisation)
+        multiplier = factors.solve_transposed(linearisation.jacobian, weight[:, None])[:, 0]
+        return np.asarray(-multiplier @ self._by_pose(linearisation))
+
     def _deepening(self, strips: Nodes, x: Array) -> Array:
         """Derivative (..., 6) by the pose of the penetration at x (...) on strips, whose shape broadcasts to that of x,
         means over their widths.
@@ -128,10 +135,13 @@ class LatticeTangent:
 
     @cached_property
     def _touching(self) -> tuple[Array, Array]:
-        """Derivatives (S, 6) by the pose of the places of largest penetration along x, and of the closest points on the
-        lower body there: these move along x with the former, which depend on the normals at the latter.
+        return self.touching(self.solution.state.strips)
+
+    def touching(self, own: Nodes) -> tuple[Array, Array]:
+        """Derivatives (S, 6) by the pose of the places of largest penetration along x on strips (S,), and of the
+        closest points on the lower body: these move along x with the former, which depend on the normals at the latter.
         """
-        problem, own, data = self.problem, self.solution.state.strips, self.problem.data
+        problem, data = self.problem, self.problem.data
         foot = problem.lines.foot[own]
         fixed = problem.penetration_changes(problem.middle[own], problem.crest[0][own]).foot
         crest = crest_changes(problem.surface, data.rotation, foot, fixed)

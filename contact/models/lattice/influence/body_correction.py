@@ -17,6 +17,7 @@ import numpy as np
 from wheelrail.contact.elasticity.half_space import cutoff_correction
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
+from wheelrail.contact.models.lattice.influence.bulk import bulk_compliance, hat_integral
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, CHANGES, COMPONENTS, DEGREE, REACH, PairGrid
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.cache import cached, digest
@@ -62,6 +63,12 @@ class BodyCorrection:
         lines = len(self.body.arc)
         return np.zeros((lines, lines, len(self.grid.lower), DEGREE + 1, COMPONENTS))
 
+    @cached_property
+    def bulk(self) -> Array:
+        """`bulk_compliance` (ns, ns, 2) m/N between all lines, filled like the coefficients."""
+        lines = len(self.body.arc)
+        return np.zeros((lines, lines, 2))
+
     def between_lines(self, low: float, high: float) -> tuple[slice, Array]:
         """Lines that cover an interval of arc length m, and coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) of all
         lines, valid between these. Raises OutsideSurface beyond the lines.
@@ -75,8 +82,12 @@ class BodyCorrection:
             if tile not in self._filled:
                 rows, columns = (slice(TILE * k, min(TILE * (k + 1), len(self.body.arc))) for k in tile)
                 between = self._between(rows, columns)
-                self._coefficients[rows, columns] = between
-                self._coefficients[columns, rows] = RECIPROCAL * between.swapaxes(0, 1)
+                for place, values in (
+                    ((rows, columns), between),
+                    ((columns, rows), RECIPROCAL * between.swapaxes(0, 1)),
+                ):
+                    self._coefficients[place] = values
+                    self.bulk[place] = bulk_compliance(values[:, :, 0], 1 / CELLS, START / CELLS)
                 self._filled.add(tile)
         self._latest = slice(TILE * tiles.start, TILE * tiles.stop)
         return slice(first, last), self._coefficients
@@ -178,20 +189,6 @@ def _hats(arc: Array, s: Array) -> Array:
     return values
 
 
-@borrowing
-def _integral(arc: Array, k: int, s: float) -> float:
-    """Integral up to s m of the function that is 1 at line k and 0 at the others, linear in between."""
-    total = 0.0
-    if k > 0 and s > arc[k - 1]:
-        t = min(s, arc[k]) - arc[k - 1]
-        total += 0.5 * t * t / (arc[k] - arc[k - 1])
-    if k < len(arc) - 1 and s > arc[k]:
-        wide = arc[k + 1] - arc[k]
-        t = min(s - arc[k], wide)
-        total += t - 0.5 * t * t / wide
-    return total
-
-
 @compiled
 def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
     """Weights (S, n) of lines (n,) m in the means over strips of functions linear between the lines."""
@@ -199,7 +196,7 @@ def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
     for i in range(len(middle)):
         low, high = middle[i] - 0.5 * width[i], middle[i] + 0.5 * width[i]
         for k in range(len(arc)):
-            share[i, k] = (_integral(arc, k, high) - _integral(arc, k, low)) / width[i]
+            share[i, k] = (hat_integral(arc, k, high) - hat_integral(arc, k, low)) / width[i]
     return share
 
 

@@ -130,6 +130,15 @@ class LatticeTables:
         return 1 / sum((1 - body.nu**2) * half_space_scale(body) for body in bodies)
 
     @property
+    def bodies(self) -> tuple[tuple[int, BodyCorrection], ...]:
+        """Finite bodies, each with its number: 0 upper, 1 lower."""
+        return tuple((k, body) for k, body in enumerate(self._corrections) if body is not None)
+
+    def places_on(self, which: int, feet: Array) -> Array:
+        """Arc length (K,) m of the strips' middles on the upper (0) or lower (1) body; feet as for `at`."""
+        return feet if which == 1 and self.moves else self.middle
+
+    @property
     def moves(self) -> bool:
         """Whether the compliance depends on where the strips lie on the lower body."""
         return self._corrections[1] is not None and not isinstance(self.operators.surfaces, QuadricStrips)

@@ -184,6 +184,20 @@ def _pressure(values: Array, basis: StripBasis, rolls: bool) -> Array:
 
 
 @compiled
+def strip_loads(values: Array, places: StripPlaces, basis: StripBasis, rolls: bool) -> Array:
+    """Loads (S, 2) N of strips: lateral tractions, and pressure."""
+    S, M = len(values), len(basis.marks) - 1
+    loads = np.zeros((S, 2))
+    for i in range(S):
+        area = places.width[i] * places.stretch[i] * (values[i, -1] - values[i, -2])
+        if rolls:
+            for r in range(M):
+                loads[i, 0] += area * (basis.marks[r + 1] - basis.marks[r]) * values[i, M + r]
+        loads[i, 1] = 0.25 * np.pi * area * values[i, -2 - MODES]
+    return loads
+
+
+@compiled
 def resultants(values: Array, data: EquationData) -> Array:
     """Force N and moment N m about the origin (6,) on the upper body."""
     places, basis = data.places, data.basis

@@ -7,7 +7,8 @@ two lines, 0 where it is negative, the width is
 
 over all d > 0. On one maximum the numerator is (int d dt)^2, and n the width of a parabola; of several regions n is the
 mean, weighted by int d^2 dt, and of two that merge it grows with the saddle between them: a continuous function of the
-pose.
+pose. Of finite bodies d is the penetration less their bulk displacement, which is none of the contact: its lift, linear
+between some lines.
 """
 
 from __future__ import annotations
@@ -50,21 +51,21 @@ def strips_across(depth: Array) -> float:
 
 
 @compiled
-def _depth(surface: SurfaceData, origin: Array, rotation: Array, s: float) -> float:
-    """Largest penetration m along x on the line s m."""
-    return float(crests(surface, origin, rotation, np.array([s]))[0].depth[0])
+def _depth(surface: SurfaceData, origin: Array, rotation: Array, lift: Array, s: float) -> float:
+    """Largest penetration m along x on the line s m, less the lift."""
+    return float(crests(surface, origin, rotation, np.array([s]))[0].depth[0] - np.interp(s, lift[0], lift[1]))
 
 
 @compiled
-def _edge(surface: SurfaceData, origin: Array, rotation: Array, inside: float, outside: float) -> float:
+def _edge(surface: SurfaceData, origin: Array, rotation: Array, lift: Array, inside: float, outside: float) -> float:
     """Bound m of a region of penetration between a line in it and one beside it, by the Illinois method."""
-    f, g = _depth(surface, origin, rotation, inside), _depth(surface, origin, rotation, outside)
+    f, g = _depth(surface, origin, rotation, lift, inside), _depth(surface, origin, rotation, lift, outside)
     kept = 0
     for _ in range(ROOT_STEPS):
         if abs(outside - inside) < ROOT_ERROR or g == 0.0:
             break
         s = 0.5 * (inside + outside) if not np.isfinite(g) else inside + (outside - inside) * f / (f - g)
-        h = _depth(surface, origin, rotation, s)
+        h = _depth(surface, origin, rotation, lift, s)
         if abs(h) < ROOT_ERROR * ROOT_ERROR:
             return s
         if h > 0.0:
@@ -81,12 +82,14 @@ def _edge(surface: SurfaceData, origin: Array, rotation: Array, inside: float, o
 
 
 @compiled
-def _extremum(surface: SurfaceData, origin: Array, rotation: Array, s: float, span: float, sign: float) -> float:
+def _extremum(
+    surface: SurfaceData, origin: Array, rotation: Array, lift: Array, s: float, span: float, sign: float
+) -> float:
     """Place m of a maximum (sign 1) or minimum (-1) of the penetration near a line s m, by parabolas over a span m."""
     for _ in range(PARABOLAS):
-        before = sign * _depth(surface, origin, rotation, s - span)
-        at = sign * _depth(surface, origin, rotation, s)
-        after = sign * _depth(surface, origin, rotation, s + span)
+        before = sign * _depth(surface, origin, rotation, lift, s - span)
+        at = sign * _depth(surface, origin, rotation, lift, s)
+        after = sign * _depth(surface, origin, rotation, lift, s + span)
         bend = before - 2.0 * at + after
         if not (bend < 0.0 and np.isfinite(bend)):
             break
@@ -97,43 +100,48 @@ def _extremum(surface: SurfaceData, origin: Array, rotation: Array, s: float, sp
 
 @compiled
 def _add_maxima(
-    surface: SurfaceData, origin: Array, rotation: Array, s: Array, found: list[tuple[float, float, bool]]
+    surface: SurfaceData,
+    origin: Array,
+    rotation: Array,
+    lift: Array,
+    s: Array,
+    found: list[tuple[float, float, bool]],
 ) -> None:
     """Append the pieces of penetration with one maximum between lines s (n,) m: bounds m, and whether a piece continues
     the last one across a saddle.
     """
-    d = crests(surface, origin, rotation, s)[0].depth
+    d = crests(surface, origin, rotation, s)[0].depth - np.interp(s, lift[0], lift[1])
     n, k = len(s), 0
     while k < n:
         if d[k] > 0.0:
             low, continues = s[k], False
             if k > 0:
-                low = _edge(surface, origin, rotation, s[k], s[k - 1])
+                low = _edge(surface, origin, rotation, lift, s[k], s[k - 1])
             while k + 1 < n and d[k + 1] > 0.0:
                 k += 1
                 if k + 1 < n and d[k] <= d[k - 1] and d[k] < d[k + 1]:
-                    saddle = _extremum(surface, origin, rotation, s[k], 0.5 * (s[k + 1] - s[k - 1]), -1.0)
-                    if low < saddle < s[k + 1] and _depth(surface, origin, rotation, saddle) > 0.0:
+                    saddle = _extremum(surface, origin, rotation, lift, s[k], 0.5 * (s[k + 1] - s[k - 1]), -1.0)
+                    if low < saddle < s[k + 1] and _depth(surface, origin, rotation, lift, saddle) > 0.0:
                         found.append((low, saddle, continues))
                         low, continues = saddle, True
                     elif low < saddle < s[k + 1]:
-                        found.append((low, _edge(surface, origin, rotation, s[k - 1], saddle), continues))
-                        low, continues = _edge(surface, origin, rotation, s[k + 1], saddle), False
+                        found.append((low, _edge(surface, origin, rotation, lift, s[k - 1], saddle), continues))
+                        low, continues = _edge(surface, origin, rotation, lift, s[k + 1], saddle), False
             high = s[k]
             if k < n - 1:
-                high = _edge(surface, origin, rotation, s[k], s[k + 1])
+                high = _edge(surface, origin, rotation, lift, s[k], s[k + 1])
             found.append((low, high, continues))
         elif 0 < k < n - 1 and d[k] >= d[k - 1] and d[k] > d[k + 1]:
-            top = _extremum(surface, origin, rotation, s[k], 0.5 * (s[k + 1] - s[k - 1]), 1.0)
-            if s[k - 1] < top < s[k + 1] and _depth(surface, origin, rotation, top) > 0.0:
-                low = _edge(surface, origin, rotation, top, s[k - 1])
-                found.append((low, _edge(surface, origin, rotation, top, s[k + 1]), False))
+            top = _extremum(surface, origin, rotation, lift, s[k], 0.5 * (s[k + 1] - s[k - 1]), 1.0)
+            if s[k - 1] < top < s[k + 1] and _depth(surface, origin, rotation, lift, top) > 0.0:
+                low = _edge(surface, origin, rotation, lift, top, s[k - 1])
+                found.append((low, _edge(surface, origin, rotation, lift, top, s[k + 1]), False))
         k += 1
 
 
 @compiled
 def maxima(
-    surface: SurfaceData, origin: Array, rotation: Array, middle: Array, width: Array, depth: Array
+    surface: SurfaceData, origin: Array, rotation: Array, lift: Array, middle: Array, width: Array, depth: Array
 ) -> tuple[Array, Mask]:
     """Pieces of the undeformed penetration with one maximum each, in order: their bounds (P, 2) m, and whether they
     continue the last one across a saddle (P,).
@@ -141,7 +149,8 @@ def maxima(
     Parameters:
         surface: of both bodies.
         origin, rotation: of the upper one.
-        middle, width, depth: (K,) m, of the strips: where they lie, and their mean penetration.
+        lift: (2, R) m, places of lines, and by how much the penetration is less there.
+        middle, width, depth: (K,) m, of the strips: where they lie, and their mean penetration less the lift.
     """
     K = len(middle)
     sought = np.zeros(K, dtype=np.bool_)
@@ -165,7 +174,7 @@ def maxima(
             for j in range(SAMPLES):
                 s[(i - start) * SAMPLES + j] = middle[i] + (j / SAMPLES - 0.5) * width[i]
         s[-1] = middle[k - 1] + 0.5 * width[k - 1]
-        _add_maxima(surface, origin, rotation, s, found)
+        _add_maxima(surface, origin, rotation, lift, s, found)
     bounds, continues = np.empty((len(found), 2)), np.zeros(len(found), dtype=np.bool_)
     for p in range(len(found)):
         bounds[p, 0], bounds[p, 1], continues[p] = found[p]
@@ -177,22 +186,23 @@ def penetrated_width(
     surface: SurfaceData,
     origin: Array,
     rotation: Array,
+    lift: Array,
     middle: Array,
     width: Array,
     bounds: Array,
     continues: Mask,
     slopes: bool,
 ) -> tuple[float, Array]:
-    """Number of strips across the undeformed penetration, and its derivative (6,) by the pose if slopes, else zeros.
+    """Number of strips across the penetration, and its derivative (6 + R,) by pose and lift if slopes, else zeros.
 
     Parameters:
-        surface, origin, rotation, middle, width: see `maxima`.
+        surface, origin, rotation, lift, middle, width: see `maxima`.
         bounds, continues: (P, 2) m and (P,), of its pieces with one maximum.
     """
-    P, N = len(bounds), len(NODES)
+    P, N, J = len(bounds), len(NODES), 6 + lift.shape[1]
     depth, share = np.zeros((P, N)), np.zeros((P, N))
-    change, longer = np.zeros((P, N, 6)), np.zeros((P, N, 6))  # of the depth and, relative, of the share
-    saddle, saddle_change = np.zeros(P), np.zeros((P, 6))
+    change, longer = np.zeros((P, N, J)), np.zeros((P, N, J))  # of the depth and, relative, of the share
+    saddle, saddle_change = np.zeros(P), np.zeros((P, J))
     for p in range(P):
         half = 0.5 * (bounds[p, 1] - bounds[p, 0])
         lines = np.empty(N + 2)
@@ -200,18 +210,25 @@ def penetrated_width(
         lines[N:] = bounds[p]
         at, x, _ = crests(surface, origin, rotation, lines)
         w = np.interp(lines, middle, width)
-        depth[p], share[p] = np.maximum(at.depth[:N], 0.0), half * WEIGHTS / w[:N]
+        d = at.depth - np.interp(lines, lift[0], lift[1])
+        depth[p], share[p] = np.maximum(d[:N], 0.0), half * WEIGHTS / w[:N]
         if continues[p]:
-            saddle[p] = max(at.depth[N], 0.0)
+            saddle[p] = max(d[N], 0.0)
         if not slopes:
             continue
-        by_pose = penetration_changes(surface, origin, rotation, lines, x).depth
+        by_pose = np.zeros((N + 2, J))
+        by_pose[:, :6] = penetration_changes(surface, origin, rotation, lines, x).depth
+        for k in range(J - 6):
+            one = np.zeros(J - 6)
+            one[k] = 1.0
+            by_pose[:, 6 + k] = -np.interp(lines, lift[0], one)
         before, after = lines - SHIFT, lines + SHIFT
         slope = crests(surface, origin, rotation, after)[0].depth - crests(surface, origin, rotation, before)[0].depth
+        slope -= np.interp(after, lift[0], lift[1]) - np.interp(before, lift[0], lift[1])
         slope /= 2.0 * SHIFT
         w_slope = (np.interp(after, middle, width) - np.interp(before, middle, width)) / (2.0 * SHIFT)
         saddle_change[p] = by_pose[N]
-        for j in range(6):
+        for j in range(J):
             # bounds at the edge of a region move with it, saddles count as fixed
             low = 0.0 if continues[p] else -by_pose[N, j] / slope[N]
             high = 0.0 if p + 1 < P and continues[p + 1] else -by_pose[N + 1, j] / slope[N + 1]
@@ -220,9 +237,9 @@ def penetrated_width(
                 longer[p, i, j] = 0.5 * (high - low) / half - w_slope[i] / w[i] * moved
                 change[p, i, j] = by_pose[i, j] + slope[i] * moved
     double, square = 0.0, 0.0
-    double_change, square_change = np.zeros(6), np.zeros(6)
+    double_change, square_change = np.zeros(J), np.zeros(J)
     for p in range(P):
-        own, least, place = np.zeros(6), np.inf, p
+        own, least, place = np.zeros(J), np.inf, p
         for q in range(p, P):
             if q > p:
                 if not continues[q]:
@@ -238,7 +255,7 @@ def penetrated_width(
                     double += weight * max(a, b) * low
                     if not slopes:
                         continue
-                    for j in range(6):
+                    for j in range(J):
                         value = max(a, b) * low * (longer[p, i, j] + longer[q, k, j])
                         if least < min(a, b):
                             higher = change[p, i, j] if a > b else change[q, k, j]
@@ -252,6 +269,6 @@ def penetrated_width(
             square_change += share[p, i] * (a * a * longer[p, i] + 2.0 * a * change[p, i])
         double_change += own
     if not square > 0.0:
-        return 0.0, np.zeros(6)
+        return 0.0, np.zeros(J)
     number = OF_PARABOLA * double / square
     return number, OF_PARABOLA / square * double_change - number / square * square_change

@@ -17,9 +17,11 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice import levels
+from wheelrail.contact.models.lattice.bulk_displacement import NONE, BulkDisplacement
 from wheelrail.contact.models.lattice.levels import ENOUGH, LEAST, ORDINARY, LevelSolutions, level_shares
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
+from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.penetrated_width import maxima, penetrated_width
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import motion_data
@@ -56,8 +58,9 @@ def levels_of(result: ContactResult) -> tuple[int, ...]:
 def across(problem: LatticeProblem) -> tuple[float, Array]:
     """Strips across the penetration, and their derivative by the pose."""
     at = motion_data(problem.pose, problem.motion, 1.0)
-    lattice = problem.surface, at.origin, at.rotation, problem.middle, problem.width
-    return penetrated_width(*lattice, *maxima(*lattice, problem.depth), True)
+    lattice = problem.surface, at.origin, at.rotation, NONE, problem.middle, problem.width
+    number, slopes = penetrated_width(*lattice, *maxima(*lattice, problem.depth), True)
+    return number, slopes[:6]
 
 
 def load(model: LatticeContact, pose: Pose, motion: RigidMotion, shift: Array) -> Array:
@@ -140,6 +143,63 @@ def test_light_wheel(bodies: Bodies, place: tuple[float, float]) -> None:
             np.testing.assert_allclose(tangent[:, k], difference, atol=1e-3 * np.abs(difference[:3]).max())
     assert any(len(pair) == 2 for pair in seen)
     assert any(min(pair) > 0 for pair in seen)
+
+
+def strips_across(bodies: Bodies, depth: float) -> tuple[float, float]:
+    """Strips across the contact of a flange without the bulk displacement, and the load N."""
+    model = wheel(bodies)
+    pose, motion = wheelset(0.3, bodies).mounting.left_pair(rolling(FLANGE[0], FLANGE[1] - depth, 5e-3, 1e-3))
+    problem = model.problem(pose, motion)
+    result = model.solve(problem)
+    assert isinstance(result.warm_start, LatticeSolution)
+    lift = BulkDisplacement(problem, result.warm_start).lift
+    at = motion_data(pose, motion, 1.0)
+    surfaces, lattice = (problem.surface, at.origin, at.rotation, lift), (problem.middle, problem.width)
+    pieces = maxima(*surfaces, *lattice, problem.depth - np.interp(problem.middle, *lift))
+    return penetrated_width(*surfaces, *lattice, *pieces, False)[0], float(np.linalg.norm(result.force))
+
+
+def test_width_of_bodies_that_bend() -> None:
+    """On a flange most of the penetration bends wheel and rail: under the same load the contact is as wide on
+    half-spaces, with less of it.
+    """
+    bent, load = strips_across("waveguide", 6e-5)
+    low, high = 0.0, 6e-5
+    for _ in range(25):
+        depth = 0.5 * (low + high)
+        low, high = (depth, high) if strips_across("half-space", depth)[1] < load else (low, depth)
+    assert depth < 0.5 * 6e-5
+    assert bent == pytest.approx(strips_across("half-space", depth)[0], rel=0.1)
+
+
+@pytest.mark.parametrize("depth", [3e-5, 4.5e-5])
+def test_flange_of_bodies_that_bend(depth: float) -> None:
+    """Peak pressure and area against strips and cells twice as fine; the tangent, of shares of levels that follow the
+    bulk displacement, against differences.
+    """
+    model = replace(wheel("waveguide"), tolerance=1e-10)
+    pose, motion = wheelset(0.3, "waveguide").mounting.left_pair(rolling(FLANGE[0], FLANGE[1] - depth, 5e-3, 1e-3))
+    result = model(pose, motion)
+    assert len(levels_of(result)) == 2
+    (own,) = result.patches
+    (fine,) = replace(model, resolution=LatticeResolution(28, 24))(pose, motion).patches
+    assert own.max_pressure == pytest.approx(fine.max_pressure, rel=0.03)
+    assert own.area == pytest.approx(fine.area, rel=0.05)
+    tangent = result.tangent()
+    for k in (1, 2):
+        step = 2e-8 * np.eye(3)[k]
+        difference = (load(model, pose, motion, step) - load(model, pose, motion, -step)) / 4e-8
+        np.testing.assert_allclose(tangent[:, k], difference, atol=1e-6 * np.abs(difference[:3]).max())
+    for k in range(3):
+        step = 1e-5 * np.eye(3)[k]
+        sides = [
+            model(
+                pose, replace(motion, wheel=replace(motion.wheel, velocity=motion.wheel.velocity + sign * step))
+            ).force
+            for sign in (1, -1)
+        ]
+        difference = (sides[0] - sides[1]) / 2e-5
+        np.testing.assert_allclose(tangent[:3, 6 + k], difference, atol=1e-5 * np.abs(tangent[:3, 6:9]).max())
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,116 @@
+"""Displacement of finite bodies beyond that of half-spaces: the part of the penetration that is no contact.
+
+Wheel and rail bend and twist as wholes. On a flange this is most of the penetration, 225 of 260 um at 14 kN, and wide
+strips would seem to be many across it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from wheelrail.contact.models.lattice.derivatives import CHANGES
+from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection
+from wheelrail.contact.models.lattice.influence.bulk import bulk_displacements
+from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.models.lattice.system.equations import strip_loads
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.tangent import LatticeTangent
+from wheelrail.support.arrays import Array, Nodes
+
+NONE = np.zeros((2, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class BulkDisplacement:
+    """Displacement of both bodies in a solution of their equations.
+
+    Parameters:
+        problem: equations.
+        solution: their solution.
+    """
+
+    problem: LatticeProblem
+    solution: LatticeSolution
+
+    @cached_property
+    def rows(self) -> Nodes:
+        """Strips (R,) that lie on the lines of both bodies."""
+        return np.flatnonzero(self.problem.tables.covers(self.problem.lines.foot))
+
+    @cached_property
+    def lift(self) -> Array:
+        """Middles (R,) m of these strips, and by how much the penetration is less there, m: (2, R)."""
+        if not len(self.rows):
+            return NONE
+        return np.stack([self.problem.middle[self.rows], self.at(self.rows)])
+
+    def at(self, strips: Nodes) -> Array:
+        """Displacement (R,) m of the middles of some strips; beyond the lines of a body, of the last one."""
+        loaded, total = self.solution.state.strips, np.zeros(len(strips))
+        width, both = self.problem.width[loaded], np.concatenate([strips, loaded])
+        for which, body in self.problem.tables.bodies:
+            place, _ = self._on_lines(which, body, both)
+            places, middle = place[: len(strips)], place[len(strips) :]
+            total += bulk_displacements(body.body.arc, body.bulk, places, middle, width, self._loads)
+        return total
+
+    def changes(self, weight: Array) -> Array:
+        """Derivative (12,) by pose and motion of the sum of the lift times weights (R,)."""
+        if not len(self.rows):
+            return np.zeros(CHANGES)
+        problem, state = self.problem, self.solution.state
+        by_loads, by_place = np.zeros((len(state.strips), 2)), np.zeros(len(problem.middle))
+        for which, body in problem.tables.bodies:
+            both, window = self._on_lines(which, body, np.concatenate([self.rows, state.strips]))
+            place, loaded = both[: len(self.rows)], both[len(self.rows) :]
+            arc, width = body.body.arc[window], problem.width[state.strips]
+            hats = np.array([np.interp(place, arc, unit) for unit in np.eye(len(arc))])
+            spread = np.einsum("k,kmc->mc", hats @ weight, body.bulk[window, window])
+            by_loads += body.shares(window, loaded, width) @ spread
+            if which == 1 and problem.tables.moves:
+                right = np.clip(np.searchsorted(arc, place), 1, len(arc) - 1)
+                displaced = bulk_displacements(body.body.arc, body.bulk, arc, loaded, width, self._loads)
+                slopes = np.diff(displaced) / np.diff(arc)
+                by_place[self.rows] += weight * slopes[right - 1]
+                shares = body.share_slopes(window, loaded, width)
+                by_place[state.strips] += ((shares @ spread) * self._loads).sum(axis=1)
+        tangent = LatticeTangent(problem, self.solution)
+        total = tangent.by_unknowns(self._by_unknowns(by_loads))
+        moved = np.flatnonzero(by_place)
+        if len(moved):
+            total[:6] += by_place[moved] @ tangent.touching(moved)[1]
+        return total
+
+    @cached_property
+    def _loads(self) -> Array:
+        """Loads (S, 2) N of the strips."""
+        problem, state = self.problem, self.solution.state
+        return strip_loads(state.values, problem.of(state.strips).places, problem.basis, problem.rolls)
+
+    def _by_unknowns(self, by_loads: Array) -> Array:
+        """Derivative (n,) by the unknowns of the sum of the loads times weights (S, 2)."""
+        problem, state = self.problem, self.solution.state
+        total = np.zeros_like(state.values)
+        area = (problem.width * problem.tables.stretch)[state.strips]
+        across, normal = by_loads.T * area
+        length, first = np.diff(state.ends)[:, 0], 0
+        by_length = 0.25 * np.pi * normal * state.modes[:, 0]
+        if problem.rolls:
+            share, first = np.diff(problem.basis.marks), 2 * problem.cells
+            total[:, problem.cells : first] = across[:, None] * share * length[:, None]
+            by_length += across * (state.values[:, problem.cells : first] @ share)
+        total[:, first] = 0.25 * np.pi * normal * length
+        total[:, -1], total[:, -2] = by_length, -by_length
+        return total.ravel()
+
+    def _on_lines(self, which: int, body: BodyCorrection, strips: Nodes) -> tuple[Array, slice]:
+        """Arc length (R,) m of the middles of strips on a body, at most on its last lines, and lines around them."""
+        width, bounds = self.problem.width[strips], body.body.bounds
+        place = self.problem.tables.places_on(which, self.problem.lines.foot)[strips]
+        place = np.minimum(np.maximum(place, bounds[0] + 0.5 * width), bounds[-1] - 0.5 * width)
+        low, high = place.argmin(), place.argmax()
+        window = float(place[low] - 0.5 * width[low]), float(place[high] + 0.5 * width[high])
+        return place, body.between_lines(max(window[0], bounds[0]), min(window[1], bounds[-1]))[0]
