@@ -145,8 +145,8 @@ def short_scene(folder: Path) -> Path:
         ("curve = 300.0", "curve = 2.0"),
         ("workers = 2", "workers = 1"),
         ("interval = 0.05", "figures = false\ninterval = 0.0"),
-        ("rtol = 3e-3", "rtol = 1e-4"),
-        ("atol = 3e-6", "atol = 1e-7"),
+        ("rtol = 4.5e-3", "rtol = 1e-4"),
+        ("atol = 4.5e-6", "atol = 1e-7"),
     ):
         assert old in text
         text = text.replace(old, new)
