@@ -69,29 +69,28 @@ class Step(Generic[E]):
         """
         h = self.t - self.t0
         u = (time - self.t0) / h
-        (x0, rate0), (x, rate) = self._difference(self.t0, self.x0), self._difference(self.t, self.x)
-        rate0, rate = self.start.rate - rate0, self.end.rate - rate
+        (p0, v0), (p1, v1) = self._forced(self.t0), self._forced(self.t)
+        x0, x, rate0, rate = self.x0 - p0, self.x - p1, self.start.rate - v0, self.end.rate - v1
         bow = (1 - 2 * u) * (x - x0) + h * ((u - 1) * rate0 + u * rate)
         if self.damping is not None:
             parabola = self._parabola(x0, x)
             bow = parabola + self.damping(bow - parabola)
-        state = (1 - u) * x0 + u * x + u * (u - 1) * bow
-        return np.asarray(state if self.forcing is None else self.forcing(time)[0] + state)
+        return np.asarray(self._forced(time)[0] + ((1 - u) * x0 + u * x + u * (u - 1) * bow))
 
-    def _difference(self, time: float, state: Array) -> tuple[Array, Array]:
-        """Difference (n,) of a state from the forcing, and the rate (n,) of the latter."""
+    def _forced(self, time: float) -> tuple[Array, Array]:
+        """Position and rate (n,) of the forcing."""
         if self.forcing is None:
-            return state, np.zeros_like(state)
+            return np.zeros_like(self.x), np.zeros_like(self.x)
         position, rate, _ = self.forcing(time)
-        return state - position, rate
+        return position, rate
 
     def _parabola(self, x0: Array, x: Array) -> Array:
         """Half its second derivative (n,) times the squared length of the step; zero in the first step."""
         if self.before is None:
             return np.zeros_like(x)
-        time, _ = self.before
+        time, state = self.before
         h, past = self.t - self.t0, self.t0 - time
-        earlier, _ = self._difference(*self.before)
+        earlier = state - self._forced(time)[0]
         return np.asarray(h * h * ((x - x0) / h - (x0 - earlier) / past) / (h + past))
 
 

@@ -35,7 +35,6 @@ def body_displacements(
     data = problem.of(state.strips)
     grid = strip_grid(state.values, data.places, problem.basis)
     jumps = force_jumps(state.values, data.places, problem.basis, problem.rolls)
-    feet = problem.lines.foot if problem.tables.moves else None
     M = weight.shape[1]
     bounds = np.linspace(0, M, PARTS + 1).round().astype(int)
     ends, parts = np.ascontiguousarray(grid.x[:, bounds]), np.add.reduceat(weight, bounds[:-1], axis=1)
@@ -43,7 +42,7 @@ def body_displacements(
     loads = np.add.reduceat(forces, bounds[:-1], axis=1) / np.diff(ends)[..., None]
     jumps, deviation = np.diff(loads, axis=1, prepend=0.0, append=0.0), np.zeros((2, len(weight), 3))
     for body in (0, 1):
-        tables = problem.tables.deviation_of(body, state.strips, feet, problem.reach)
+        tables = problem.tables.deviation_of(body, state.strips, problem.lines.foot, problem.reach)
         if tables is not None:
             _, V = antiderivatives(tables, grid._replace(x=ends), jumps)
             deviation[body] = _means(np.diff(V, axis=1) / np.diff(ends)[..., None], parts)

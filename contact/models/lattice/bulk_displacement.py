@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.models.lattice.derivatives import CHANGES
-from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection
+from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection, hats
 from wheelrail.contact.models.lattice.influence.bulk import bulk_displacements
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import strip_loads
@@ -67,8 +67,7 @@ class BulkDisplacement:
             both, window = self._on_lines(which, body, np.concatenate([self.rows, state.strips]))
             place, loaded = both[: len(self.rows)], both[len(self.rows) :]
             arc, width = body.body.arc[window], problem.width[state.strips]
-            hats = np.array([np.interp(place, arc, unit) for unit in np.eye(len(arc))])
-            spread = np.einsum("k,kmc->mc", hats @ weight, body.bulk[window, window])
+            spread = np.einsum("k,kmc->mc", weight @ hats(arc, place), body.bulk[window, window])
             by_loads += body.shares(window, loaded, width) @ spread
             if which == 1 and problem.tables.moves:
                 right = np.clip(np.searchsorted(arc, place), 1, len(arc) - 1)
@@ -78,7 +77,7 @@ class BulkDisplacement:
                 shares = body.share_slopes(window, loaded, width)
                 by_place[state.strips] += ((shares @ spread) * self._loads).sum(axis=1)
         tangent = LatticeTangent(problem, self.solution)
-        total = tangent.by_unknowns(self._by_unknowns(by_loads))
+        total: Array = tangent.of_sums(self._by_unknowns(by_loads)[None])[0][0]
         moved = np.flatnonzero(by_place)
         if len(moved):
             total[:6] += by_place[moved] @ tangent.touching(moved)[1]

@@ -82,26 +82,26 @@ def level_shares(problem: LatticeProblem, strips: int, bulk: BulkDisplacement | 
         lift = bulk.lift
         depth = problem.depth - np.interp(problem.middle, *lift)
     data = motion_data(problem.pose, problem.motion, 1.0)
-    at, lattice = (problem.surface, data.origin, data.rotation), (problem.middle, problem.width)
-    pieces = maxima(*at, lift, *lattice, depth)
-    across, _ = penetrated_width(*at, lift, *lattice, *pieces, False)
+    surfaces, lattice = (problem.surface, data.origin, data.rotation, lift), (problem.middle, problem.width)
+    pieces = maxima(*surfaces, *lattice, depth)
+    across, _ = penetrated_width(*surfaces, *lattice, *pieces, False)
     if not across > 0:
         return ORDINARY
     fraction = across / strips
     level = int(np.clip(np.ceil(np.log2(LEAST / fraction)), 0, FINEST))
-    rest = (2.0**level * fraction - LEAST) / (ENOUGH - LEAST)
-    if rest >= 1:
+    at = (2.0**level * fraction - LEAST) / (ENOUGH - LEAST)
+    if at >= 1:
         return LevelShares((level,)) if level else ORDINARY
-    if rest <= 0 or level == FINEST:
+    if at <= 0 or level == FINEST:
         return LevelShares((min(level + 1, FINEST),))
 
     def change() -> Array:
-        by_number = 2.0**level / strips / (ENOUGH - LEAST) * 30 * rest**2 * (1 - rest) ** 2
-        _, slopes = penetrated_width(*at, lift, *lattice, *pieces, True)
+        by_number = 2.0**level / strips / (ENOUGH - LEAST) * 30 * at**2 * (1 - at) ** 2
+        _, slopes = penetrated_width(*surfaces, *lattice, *pieces, True)
         total = np.zeros(CHANGES)
         total[:6] = slopes[:6]
         if bulk is not None:
             total += bulk.changes(slopes[6:])
         return by_number * total
 
-    return LevelShares((level, level + 1), rest**3 * (10 - 15 * rest + 6 * rest**2), change)
+    return LevelShares((level, level + 1), at**3 * (10 - 15 * at + 6 * at**2), change)

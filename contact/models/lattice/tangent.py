@@ -51,22 +51,18 @@ class LatticeTangent:
     def matrix(self) -> Array:
         """Derivative (6, 12) of force and moment about the rail's origin."""
         problem, values = self.problem, self.solution.state.values
-        linearisation = problem.linearise(self.solution.state)
-        self.solution.factors = Factors.of(linearisation)
         data = problem.of(self.solution.state.strips)
-        slopes = resultant_slopes(values, data)
-        multipliers = self.solution.factors.solve_transposed(linearisation.jacobian, slopes.T)
-        total = -multipliers.T @ self._by_pose(linearisation)
+        total, self.solution.factors = self.of_sums(resultant_slopes(values, data))
         if problem.surface.revolves:  # the strips move with the wheel
             total[:, :6] += co_moving_load(resultants(values, data), problem.pose.origin)
-        return np.asarray(total)
+        return total
 
-    def by_unknowns(self, weight: Array) -> Array:
-        """Derivative (12,) by pose and motion of a sum of the unknowns with weights (n,)."""
+    def of_sums(self, weights: Array) -> tuple[Array, Factors]:
+        """Derivatives (k, 12) by pose and motion of sums of the unknowns with weights (k, n), and the factors."""
         linearisation = self.problem.linearise(self.solution.state)
         factors = Factors.of(linearisation)
-        multiplier = factors.solve_transposed(linearisation.jacobian, weight[:, None])[:, 0]
-        return np.asarray(-multiplier @ self._by_pose(linearisation))
+        multipliers = factors.solve_transposed(linearisation.jacobian, weights.T)
+        return np.asarray(-multipliers.T @ self._by_pose(linearisation)), factors
 
     def _deepening(self, strips: Nodes, x: Array) -> Array:
         """Derivative (..., 6) by the pose of the penetration at x (...) on strips, whose shape broadcasts to that of x,

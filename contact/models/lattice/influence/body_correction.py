@@ -136,7 +136,7 @@ class BodyCorrection:
     def share_slopes(self, lines: slice, middle: Array, width: Array) -> Array:
         """Derivatives (S, lines) 1/m of `shares` by the middles."""
         arc = self.body.arc[lines]
-        low, high = (_hats(arc, middle + side * width) for side in (-0.5, 0.5))
+        low, high = (hats(arc, middle + side * width) for side in (-0.5, 0.5))
         return np.asarray((high - low) / width[:, None])
 
 
@@ -180,7 +180,7 @@ def far_in_strip_axes(far: Array, row: Array, column: Array) -> Array:
     )
 
 
-def _hats(arc: Array, s: Array) -> Array:
+def hats(arc: Array, s: Array) -> Array:
     """Values (S, n) at s (S,) m of the functions linear between lines (n,) m, 1 at one and 0 at the others."""
     right = np.clip(np.searchsorted(arc, s), 1, len(arc) - 1)
     share = np.clip((s - arc[right - 1]) / (arc[right] - arc[right - 1]), 0.0, 1.0)

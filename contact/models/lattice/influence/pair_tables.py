@@ -191,14 +191,14 @@ class LatticeTables:
         half = 0.5 * self.width[strips]
         self.operators.lower.window(float((feet[strips] - half).min()), float((feet[strips] + half).max()))
 
-    def deviation_of(self, which: int, strips: Nodes, feet: Array | None, reach: float) -> PairTables | None:
+    def deviation_of(self, which: int, strips: Nodes, feet: Array, reach: float) -> PairTables | None:
         """Tables of the deviation from a half-space of the upper (0) or lower (1) body alone, as `of`; None for a
         half-space.
         """
         body = self._corrections[which]
         if body is None:
             return None
-        middle = feet[strips] if which == 1 and feet is not None else self.middle[strips]
+        middle = self.places_on(which, feet)[strips]
         return self._of_deviation(body, strips, self._means(body, strips, middle, body.grid.cells_up_to(reach)))
 
     def slopes(self, strips: Nodes, feet: Array, motions: Array, reach: float) -> Iterator[PairTables]:
