@@ -30,10 +30,10 @@ def share(length: float, loaded: float, distance: float, basis: StripBasis) -> t
     ratio, cell = length / loaded, basis.longest * loaded / distance
     if ratio >= 1.0 or cell <= NEAR[0]:
         return 0.0, 0.0, 0.0
-    short = 1.0 - ratio * ratio
+    short = 1.0 - ratio**4
     t = min((cell - NEAR[0]) / (NEAR[1] - NEAR[0]), 1.0)
     near, by_t = t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)
-    by_ratio = -4.0 * ratio * short * near
+    by_ratio = -8.0 * ratio**3 * short * near
     by_cell = short * short * by_t / (NEAR[1] - NEAR[0])
     return short * short * near, by_ratio / loaded, (by_cell * cell - by_ratio * ratio) / loaded
 

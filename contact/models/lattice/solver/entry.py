@@ -18,7 +18,7 @@ from wheelrail.contact.models.lattice.solver.remaining import (
     excess,
     search,
 )
-from wheelrail.contact.models.lattice.system.partial_width import pressed
+from wheelrail.contact.models.lattice.system.partial_width import OPENING, pressed
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.solvers.active_set import normal_contact
@@ -126,19 +126,19 @@ def _entered(problem: LatticeProblem, state: LatticeState, overlaps: Overlaps) -
     inside, matrix = cell_operator(problem.pairs(new), grid, PROBES, False)
     if not inside:
         raise OutsideSurface(TOO_LONG)
+    pressure = _pressed(matrix, depth)
+    places = problem.places(new)
+    cell = (high - low) / depth.shape[1]
+    whole = 2.0 / np.pi * cell * pressure.sum(axis=1)  # load under this penetration of the whole width
+    varies, deepest = places.whole > 0, depth.max(axis=1)
+    compliance = deepest * np.divide(places.whole, whole, out=np.ones(len(new)), where=varies & (whole > 0))
+    part = np.minimum(pressed(deepest, compliance, places.onset), 1.0)
+    lifted = np.where(varies, places.onset * (1.0 - (1.0 - part) ** OPENING), 0.0)
+    pressure = _pressed(matrix, depth - lifted[:, None])
+    return state_of_cells(problem, new, np.column_stack([low, high]), pressure, np.zeros((2, *pressure.shape)))
+
+
+def _pressed(matrix: Array, depth: Array) -> Array:
+    """Pressure (n, C) Pa of cells under a penetration (n, C) m, by complementarity."""
     pressure, _ = normal_contact(matrix, depth.ravel(), depth.ravel() > 0, IterationCount())
-    cells = pressure.reshape(depth.shape)
-    entered = state_of_cells(problem, new, np.column_stack([low, high]), cells, np.zeros((2, *cells.shape)))
-    return None if entered is None else _on_part(problem, entered, depth[np.isin(new, entered.strips)].max(axis=1))
-
-
-def _on_part(problem: LatticeProblem, state: LatticeState, depth: Array) -> LatticeState:
-    """Strips under the load on the touching part of their width, from that under a penetration (S,) m of all of it."""
-    places = problem.places(state.strips)
-    varies = places.whole > 0
-    share = np.sqrt(np.divide(state.load, places.whole, out=np.ones(len(varies)), where=varies))
-    touching = pressed(depth, depth / share**2, places.onset)
-    scale = np.where(varies, touching / share, 1.0)[:, None]
-    middle = state.ends.mean(axis=1)[:, None]
-    values = np.hstack([scale * state.values[:, :-2], middle + scale * (state.ends - middle)])
-    return LatticeState(state.strips, values)
+    return pressure.reshape(depth.shape)

@@ -314,6 +314,34 @@ def test_a_strip_that_cannot_stay_with_little_load() -> None:
     assert np.abs(np.diff(force, 2, axis=0)).max() < 2e-6 * np.linalg.norm(force[0])
 
 
+@pytest.mark.parametrize(
+    ("friction", "y", "z"),
+    [
+        # the remaining penetration has two maxima along the strip that enters
+        (0.3, 6.906018402572566e-3, 0.96875e-3),
+        (0.6, 7.349531979029068e-3, 2.2167968750000005e-3),
+        (0.3, 7.36e-3, 2e-3),
+        # it is flat over 20 mm
+        (0.0, 7.6692979861152245e-3, 2.9375e-3),
+        (0.0, 8.031108019356397e-3, 3.9921875e-3),
+    ],
+)
+def test_a_long_strip_enters_on_a_small_part_of_its_width(friction: float, y: float, z: float) -> None:
+    """Under 120 to 180 kN of vertical force, from the length that it has under the small load on this part."""
+    result = pair(friction)(*left(rolling(y, z)))
+    assert result.status == "converged"
+    assert 100e3 < result.force[2] < 200e3
+
+
+def test_an_outermost_strip_between_the_cells_of_a_longer_one() -> None:
+    """A strip of 20 mm beside one of 30, both 0.4 mm wide: its end does not pass the cells of the other in jerks."""
+    y = np.arange(7.385e-3, 7.3976e-3, 2.5e-6)
+    z = np.polyval([323.53926808297413, 2.7553104981217253, 2.51629433031898e-3], y - 7.38e-3)
+    model = replace(pair(0.3), tolerance=1e-9)
+    force = np.array([model(*left(rolling(*place))).force for place in zip(y, z, strict=True)])
+    assert np.abs(np.diff(force, 2, axis=0)).max() < 8e-5 * force[0, 2]
+
+
 @pytest.mark.parametrize("tangential", ["none", "rolling", "shift"])
 def test_means_over_the_fewest_cells_determine_all_moments(tangential: Tangential) -> None:
     """Fewer means than moments of the gap leave the ends undetermined."""
