@@ -2,7 +2,7 @@
 
 python -m benchmarks.sweep [--step MM] [--from MM] [--to MM] [--friction MU] [--yaw MRAD] [--bodies half-space]
                            [--resolution STRIPSxCELLS] [--tolerance T] [--tangents EVERY] [--finer STRIPSxCELLS]
-                           [--picture FILE] [--json FILE]
+                           [--picture FILE] [--beside FILE] [--json FILE]
 
 One wheel of a wheelset (the other is its mirror image) under 57 kN from y = -8 to 8 mm, roll 0, rolling. Output for
 every force and moment, relative to the load (moments: to the load on one nominal radius): the largest change between
@@ -290,24 +290,40 @@ def against_finer(finer: WheelsetContact, record: Record, positions: Array, yaw:
         print(f"| {place} | {row[0]:.5f} | {row[1]:.2f} | {row[2]:.5f} | {row[3]:.2f} |", flush=True)
 
 
-def picture(path: Path, y: Array, wrench: Array, second: Array) -> None:
-    """Forces over the lateral position, and their second differences."""
+def picture(path: Path, y: Array, wrench: Array, second: Array, beside: Array) -> None:
+    """Forces over the lateral position, and their second differences; beside: (m, 4) y m and forces N of another
+    version at equal steps, drawn in grey.
+    """
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(2, 1, figsize=(9, 6), sharex=True, layout="constrained")
-    for k, name in enumerate(NAMES[:3]):
-        axes[0].plot(1e3 * y, 1e-3 * wrench[:, k], label=name)
-        axes[1].semilogy(1e3 * y, 100 * second[:, k], lw=0.8, label=name)
-    axes[0].set_ylabel("force on the left wheel, kN")
+    other = 100 / LOAD * np.abs(np.diff(beside[:, 1:], 2, axis=0))
+    for k, (name, colour) in enumerate(zip(NAMES[:3], ("tab:blue", "tab:orange", "tab:green"), strict=True)):
+        axes[0].plot(1e3 * beside[:, 0], 1e-3 * beside[:, 1 + k], color="0.6", lw=2.5)
+        axes[1].semilogy(1e3 * beside[1:-1, 0], other[:, k], color="0.6", lw=0.8, ls=("-", "--", ":")[k])
+        axes[0].plot(1e3 * y, 1e-3 * wrench[:, k], color=colour, lw=1.2, label=name)
+        axes[1].semilogy(1e3 * y, 100 * second[:, k], color=colour, lw=0.8, label=name)
+    if len(beside):
+        axes[0].plot([], [], color="0.6", lw=2.5, label="other version")
+    axes[0].set_ylabel("force on the left wheel [kN]")
     axes[1].set(
-        ylabel="second difference, % of the load", xlabel="lateral position y of the wheelset, mm (to the left)"
+        ylabel="second difference [% of the load]", xlabel="lateral position y of the wheelset [mm] (to the left)"
     )
     axes[0].legend()
     axes[0].set_title(f"{LOAD / 1e3:g} kN on the left wheel")
     figure.savefig(path, dpi=110)
+
+
+def rows_beside(path: Path | None) -> Array:
+    """Rows (m, 4) y m and forces N of a sweep's JSON file; none without."""
+    if path is None:
+        return np.empty((0, 4))
+    table = json.loads(path.read_text())
+    columns = [table["columns"].index(name) for name in ("y", *NAMES[:3])]
+    return np.array(table["rows"])[:, columns]
 
 
 def report(record: Record, positions: Array, scale: Array) -> Array:
@@ -349,6 +365,7 @@ def main() -> None:
     parser.add_argument("--tangents", type=int, default=0)
     parser.add_argument("--finer", type=lattice_resolution, metavar="STRIPSxCELLS")
     parser.add_argument("--picture", type=Path)
+    parser.add_argument("--beside", type=Path, help="JSON of another version, for the picture")
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
     print(machine_description())
@@ -375,7 +392,7 @@ def main() -> None:
         }
         arguments.json.write_text(json.dumps(table | {"unsolved": record.unsolved, "tangents": record.tangents}))
     if arguments.picture:
-        picture(arguments.picture, positions, record.wrench, second)
+        picture(arguments.picture, positions, record.wrench, second, rows_beside(arguments.beside))
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ smoothly across the surface.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -62,10 +63,15 @@ class HalfSpaceInfluence:
 
         Raises OutsideSurface beyond the lines.
         """
-        if low < self.bounds[0] or high > self.bounds[-1]:
+        bounds = self._bounds
+        if low < bounds[0] or high > bounds[-1]:
             raise OutsideSurface("the bodies touch beyond the part of their surface that carries contact points")
-        first, last = np.searchsorted(self.bounds, [low, high], side="right") - 1
-        return max(int(first), 0), min(int(last) + 1, len(self.arc))
+        return bisect_right(bounds, low) - 1, min(bisect_right(bounds, high), len(bounds) - 1)
+
+    @cached_property
+    def _bounds(self) -> list[float]:
+        """The same for searches for single places, which take a sixth of the time in a list."""
+        return [float(bound) for bound in self.bounds]
 
     @cached_property
     def _across(self) -> Array:
