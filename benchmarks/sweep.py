@@ -291,8 +291,8 @@ def against_finer(finer: WheelsetContact, record: Record, positions: Array, yaw:
 
 
 def picture(path: Path, y: Array, wrench: Array, second: Array, beside: Array) -> None:
-    """Forces over the lateral position, and their second differences; beside: (m, 4) y m and forces N of another
-    version at equal steps, drawn in grey.
+    """Horizontal forces over the lateral position, and their second differences; beside: (m, 4) y m and forces N of
+    another version at equal steps.
     """
     import matplotlib
 
@@ -301,13 +301,14 @@ def picture(path: Path, y: Array, wrench: Array, second: Array, beside: Array) -
 
     figure, axes = plt.subplots(2, 1, figsize=(9, 6), sharex=True, layout="constrained")
     other = 100 / LOAD * np.abs(np.diff(beside[:, 1:], 2, axis=0))
-    for k, (name, colour) in enumerate(zip(NAMES[:3], ("tab:blue", "tab:orange", "tab:green"), strict=True)):
-        axes[0].plot(1e3 * beside[:, 0], 1e-3 * beside[:, 1 + k], color="0.6", lw=2.5)
-        axes[1].semilogy(1e3 * beside[1:-1, 0], other[:, k], color="0.6", lw=0.8, ls=("-", "--", ":")[k])
-        axes[0].plot(1e3 * y, 1e-3 * wrench[:, k], color=colour, lw=1.2, label=name)
-        axes[1].semilogy(1e3 * y, 100 * second[:, k], color=colour, lw=0.8, label=name)
+    for k, (name, style) in enumerate(zip(NAMES[:2], ("-", "--"), strict=True)):  # the third one is the load
+        if len(beside):
+            axes[0].plot(1e3 * beside[:, 0], 1e-3 * beside[:, 1 + k], style, color="tab:orange", lw=2.5)
+            axes[1].semilogy(1e3 * beside[1:-1, 0], other[:, k], style, color="tab:orange", lw=1.2)
+        axes[0].plot(1e3 * y, 1e-3 * wrench[:, k], style, color="tab:blue", lw=1.2, label=name)
+        axes[1].semilogy(1e3 * y, 100 * second[:, k], style, color="tab:blue", lw=0.8)
     if len(beside):
-        axes[0].plot([], [], color="0.6", lw=2.5, label="other version")
+        axes[0].plot([], [], color="tab:orange", lw=2.5, label="other version")
     axes[0].set_ylabel("force on the left wheel [kN]")
     axes[1].set(
         ylabel="second difference [% of the load]", xlabel="lateral position y of the wheelset [mm] (to the left)"
