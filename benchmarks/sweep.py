@@ -291,8 +291,8 @@ def against_finer(finer: WheelsetContact, record: Record, positions: Array, yaw:
 
 
 def picture(path: Path, y: Array, wrench: Array, second: Array, beside: Array) -> None:
-    """Horizontal forces over the lateral position, and their second differences; beside: (m, 4) y m and forces N of
-    another version at equal steps.
+    """Horizontal forces over the lateral position, and their second differences; beside: (m, 3) y m and Fx, Fy N of
+    another version at equal steps, with m = 0 without.
     """
     import matplotlib
 
@@ -318,13 +318,15 @@ def picture(path: Path, y: Array, wrench: Array, second: Array, beside: Array) -
     figure.savefig(path, dpi=110)
 
 
-def rows_beside(path: Path | None) -> Array:
-    """Rows (m, 4) y m and forces N of a sweep's JSON file; none without."""
-    if path is None:
-        return np.empty((0, 4))
-    table = json.loads(path.read_text())
-    columns = [table["columns"].index(name) for name in ("y", *NAMES[:3])]
-    return np.array(table["rows"])[:, columns]
+def rows_beside(name: str) -> Array:
+    """Rows (m, 3) y m and Fx, Fy N of a sweep's JSON file. Raises ArgumentTypeError."""
+    try:
+        table = json.loads(Path(name).read_text())
+        columns = [table["columns"].index(column) for column in ("y", *NAMES[:2])]
+        return np.array(table["rows"], dtype=float)[:, columns]
+    except (OSError, ValueError, LookupError, TypeError) as error:
+        message = f"{name} is not the --json file of a sweep, with columns y, Fx and Fy: {error}"
+        raise argparse.ArgumentTypeError(message) from error
 
 
 def report(record: Record, positions: Array, scale: Array) -> Array:
@@ -366,7 +368,7 @@ def main() -> None:
     parser.add_argument("--tangents", type=int, default=0)
     parser.add_argument("--finer", type=lattice_resolution, metavar="STRIPSxCELLS")
     parser.add_argument("--picture", type=Path)
-    parser.add_argument("--beside", type=Path, help="JSON of another version, for the picture")
+    parser.add_argument("--beside", type=rows_beside, default=np.empty((0, 3)), metavar="FILE")
     parser.add_argument("--json", type=Path)
     arguments = parser.parse_args()
     print(machine_description())
@@ -393,7 +395,7 @@ def main() -> None:
         }
         arguments.json.write_text(json.dumps(table | {"unsolved": record.unsolved, "tangents": record.tangents}))
     if arguments.picture:
-        picture(arguments.picture, positions, record.wrench, second, rows_beside(arguments.beside))
+        picture(arguments.picture, positions, record.wrench, second, arguments.beside)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,5 +73,14 @@ def test_a_kink_is_more_than_the_curvature_nearby() -> None:
 def test_rows_of_another_version(tmp_path: Path) -> None:
     file = tmp_path / "other.json"
     file.write_text(json.dumps({"columns": ["y", "patches", "Fx", "Fy", "Fz"], "rows": [[0.001, 2, 3.0, 4.0, 5.0]]}))
-    np.testing.assert_array_equal(rows_beside(file), [[0.001, 3.0, 4.0, 5.0]])
-    assert rows_beside(None).shape == (0, 4)
+    np.testing.assert_array_equal(rows_beside(str(file)), [[0.001, 3.0, 4.0]])
+
+
+@pytest.mark.parametrize("text", ["{", "[]", '{"columns": ["y", "Fx"], "rows": []}', None])
+def test_a_file_that_is_no_sweep(tmp_path: Path, text: str | None) -> None:
+    """An error before the sweep that names the file."""
+    file = tmp_path / "other.json"
+    if text is not None:
+        file.write_text(text)
+    with pytest.raises(argparse.ArgumentTypeError, match=r"other\.json is not the --json file of a sweep"):
+        rows_beside(str(file))

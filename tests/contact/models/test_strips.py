@@ -315,27 +315,35 @@ def test_left_and_right_are_mirror_images() -> None:
     np.testing.assert_array_equal(left.force, [1, -1, 1] * right.force)
 
 
+CROSSING = [  # of a wheelset that moves across the rail
+    WheelsetState(y=-2e-3 + 5e-6 * k, z=-2.7e-4 - 4e-7 * k, speed=10.0, pitch_rate=10 / 0.46) for k in range(12)
+]
+
+
 def test_warm_start_tracks_the_contact() -> None:
-    # 12 poses of a wheelset that moves across the rail, each with the previous result as guess
+    # 12 poses, each with the previous result as guess
     contact = wheelset(0.3)
-    model = contact.model
-    assert isinstance(model, LatticeContact)
-    contact = replace(contact, model=replace(model, tolerance=1e-9))  # the end of a patch has a thousandth of its load
-    states = [
-        WheelsetState(y=-2e-3 + 5e-6 * k, z=-2.7e-4 - 4e-7 * k, speed=10.0, pitch_rate=10 / 0.46) for k in range(12)
-    ]
     guess: ContactResult | None = None
-    linearisations = np.zeros(2)
-    for state in states:
+    for state in CROSSING:
         cold, found = contact(state, "left"), contact(state, "left", guess)
         assert found.ok
         np.testing.assert_allclose(found.force, cold.force, atol=1e-6 * cold.force[2])
         np.testing.assert_allclose(found.moment, cold.moment, atol=1e-6 * np.linalg.norm(cold.moment))
-        assert found.patches[0].area == pytest.approx(cold.patches[0].area, rel=1e-6)
-        if guess is not None:
-            linearisations += found.statistics.newton, cold.statistics.newton
+        assert guess is None or found.statistics.newton < cold.statistics.newton
         guess = found
-    assert 2 * linearisations[0] < linearisations[1]
+
+
+def test_warm_and_cold_solves_have_the_same_area() -> None:
+    """Strips at the end of a patch have a thousandth of its load: their length needs a small tolerance."""
+    contact = wheelset(0.3)
+    model = contact.model
+    assert isinstance(model, LatticeContact)
+    contact = replace(contact, model=replace(model, tolerance=1e-9))
+    guess: ContactResult | None = None
+    for state in CROSSING:
+        cold, found = contact(state, "left"), contact(state, "left", guess)
+        assert found.patches[0].area == pytest.approx(cold.patches[0].area, rel=1e-6)
+        guess = found
 
 
 def test_distant_warm_start_converges() -> None:
