@@ -26,6 +26,7 @@ ODD = (1, 2, 3, 6)  # of the nine components: xy, xz, yx, zx
 EVEN = (0, 4, 5, 7, 8)
 NEIGHBOURS = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16  # shares of a line in the mean over its neighbours
 MARGIN = len(NEIGHBOURS) // 2
+BEYOND = "the bodies touch beyond the part of their surface that carries contact points"
 
 
 @dataclass
@@ -65,7 +66,7 @@ class HalfSpaceInfluence:
         """
         bounds = self._bounds
         if low < bounds[0] or high > bounds[-1]:
-            raise OutsideSurface("the bodies touch beyond the part of their surface that carries contact points")
+            raise OutsideSurface(BEYOND)
         return bisect_right(bounds, low) - 1, min(bisect_right(bounds, high), len(bounds) - 1)
 
     @cached_property

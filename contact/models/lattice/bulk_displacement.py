@@ -16,6 +16,7 @@ from wheelrail.contact.models.lattice.influence.body_correction import BodyCorre
 from wheelrail.contact.models.lattice.influence.bulk import bulk_displacements
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import strip_loads
+from wheelrail.contact.models.lattice.system.penetrated_width import strips_beside_bulk
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.tangent import LatticeTangent
 from wheelrail.support.arrays import Array, Nodes
@@ -38,7 +39,20 @@ class BulkDisplacement:
     @cached_property
     def rows(self) -> Nodes:
         """Strips (R,) that lie on the lines of both bodies."""
-        return np.flatnonzero(self.problem.tables.covers(self.problem.lines.foot))
+        return np.flatnonzero(self.problem.lines.covered)
+
+    @property
+    def strips_across(self) -> float:
+        """Number of strips across the penetration less this displacement, see
+        `wheelrail.contact.models.lattice.system.penetrated_width.strips_across`.
+        """
+        problem, state = self.problem, self.solution.state
+        at = state.values, problem.of(state.strips), problem.lines, problem.tables.lattice
+        known, across = strips_beside_bulk(*at, problem.tables.bulk)
+        if not known:
+            self.at(problem.candidates)
+            _, across = strips_beside_bulk(*at, problem.tables.bulk)
+        return float(across)
 
     @cached_property
     def lift(self) -> Array:

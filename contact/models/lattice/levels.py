@@ -72,15 +72,13 @@ def level_shares(problem: LatticeProblem, strips: int, bulk: BulkDisplacement | 
         strips: their number over a usual patch.
         bulk: displacement of finite bodies in their solution; None of half-spaces, and without a load.
     """
+    across = strips_across(problem.depth) if bulk is None else bulk.strips_across
+    if across > SURELY * ENOUGH * strips:
+        return ORDINARY
     depth, lift = problem.depth, NONE
     if bulk is not None:
-        depth, inside = depth.copy(), np.flatnonzero(depth > 0)
-        depth[inside] -= bulk.at(inside)
-    if strips_across(depth) > SURELY * ENOUGH * strips:
-        return ORDINARY
-    if bulk is not None:
         lift = bulk.lift
-        depth = problem.depth - np.interp(problem.middle, *lift)
+        depth = depth - np.interp(problem.middle, *lift)
     data = motion_data(problem.pose, problem.motion, 1.0)
     surfaces, lattice = (problem.surface, data.origin, data.rotation, lift), (problem.middle, problem.width)
     pieces = maxima(*surfaces, *lattice, depth)

@@ -23,16 +23,17 @@ from wheelrail.contact.models.lattice.influence.strip_operators import StripOper
 from wheelrail.contact.models.lattice.levels import ORDINARY, LevelShares, LevelSolutions, level_shares
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
-from wheelrail.contact.models.lattice.solver.chords import chords
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
-from wheelrail.contact.models.lattice.solver.entry import entering, penetrating
+from wheelrail.contact.models.lattice.solver.entry import entered, entering, overlaps, penetrating, probes_of
 from wheelrail.contact.models.lattice.solver.factors import lapack
 from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS, KeptFactors
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
+from wheelrail.contact.models.lattice.solver.warm_start import warm_start
+from wheelrail.contact.models.lattice.system.contact_lines import MARGIN
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
-from wheelrail.contact.models.lattice.system.state import LatticeState, moved
-from wheelrail.contact.models.lattice.system.surface import MARGIN, SurfaceData, surface_data
+from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.system.surface import SurfaceData, surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
@@ -182,11 +183,15 @@ class LatticeContact:
     def basis(self) -> StripBasis:
         return strip_basis(self.resolution.cells, self.tangential if self.laws.frictional else "none")
 
+    @cached_property
+    def friction(self) -> CellFriction | None:
+        """Law of friction in the cells; None without."""
+        return CellFriction.of(self.laws) if self.laws.frictional else None
+
     def problem(self, pose: Pose, motion: RigidMotion) -> LatticeProblem:
         """Equations of a pose and motion."""
-        law = CellFriction.of(self.laws) if self.laws.frictional else None
         margin = MARGIN / 2**self.level  # the approach falls with the square of the width or, of long patches, less
-        return LatticeProblem(self.surface, self.tables, self.basis, law, pose, motion, margin)
+        return LatticeProblem(self.surface, self.tables, self.basis, self.friction, pose, motion, margin)
 
     def solve(self, problem: LatticeProblem, guess: ContactResult | None = None) -> ContactResult:
         """Result of the equations on the strips of this level, however few of them are loaded."""
@@ -195,8 +200,7 @@ class LatticeContact:
         if approach <= 0:
             return ContactResult.failed(TOO_DEEP) if problem.too_deep else ContactResult.separated(approach)
         try:
-            if not len(problem.candidates):
-                return ContactResult.separated(approach)
+            problem.check_inside()
             solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)
             problem.check_loaded(solution.state.strips)
             statistics = Statistics(
@@ -220,31 +224,28 @@ class LatticeContact:
             earlier = earlier.on(self.level)
         elif self.level > 0:
             return None
-        if not isinstance(earlier, LatticeSolution):
+        if not isinstance(earlier, LatticeSolution) or not earlier.factors.single:
             return None
-        if not earlier.factors.fit(earlier.state.values, self._block):
+        if earlier.state.values.shape[1] != self._block:
             return None
-        remain = problem.near[earlier.state.strips]
+        state, kept = earlier.state, NO_FACTORS
+        remain = problem.lines.near[state.strips]
         if not remain.any():
             return None
-        state = earlier.state.at(remain)
-        kept = NO_FACTORS
         try:
             if remain.all():
-                data = problem.of(state.strips)
-                steps = chords(
-                    state.values,
-                    data,
-                    earlier.factors,
-                    lapack(),
-                    self.tolerance,
-                    FARTHEST,
+                data, limits = problem.of(state.strips), (self.tolerance, FARTHEST)
+                start = warm_start(
+                    state.values, data, earlier.factors, lapack(), *limits, probes_of(problem), problem.lines
                 )
+                steps = start.steps
                 count.linear += steps.evaluations
                 state = LatticeState(state.strips, steps.values)
                 if steps.converged:
-                    state = LatticeState(state.strips, moved(steps.values, steps.step, 1.0, data.places.whole))
-                    new = entering(problem, state, set())
+                    if start.complete:
+                        new = entered(problem, state, overlaps(problem, start.rest))
+                    else:
+                        new = entering(problem, state, set())
                     if new is None:
                         count.residual = steps.size
                         return LatticeSolution(state, earlier.factors)
@@ -255,12 +256,14 @@ class LatticeContact:
                     state = state.at(~steps.leaves)
                 else:
                     kept = KeptFactors(True, earlier.factors, steps.evaluation)
+            else:
+                state = state.at(remain)
             return LatticeNewton(problem, self.tolerance, count).solve(state, WARM_ITERATIONS, FARTHEST, kept)
         except (NotConverged, OutsideSurface) as error:
             log.debug("from the earlier result: %s", error)
             return None
 
-    @property
+    @cached_property
     def _block(self) -> int:
         """Unknowns of a strip."""
         tractions = 2 * self.resolution.cells if self.laws.frictional else 0

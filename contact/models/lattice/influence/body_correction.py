@@ -7,7 +7,7 @@ function of the strip's place.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement
 from typing import NamedTuple
@@ -17,15 +17,14 @@ import numpy as np
 from wheelrail.contact.elasticity.half_space import cutoff_correction
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
-from wheelrail.contact.models.lattice.influence.bulk import bulk_compliance, hat_integral
+from wheelrail.contact.models.lattice.influence.bulk import TILE, BulkCompliance, bulk_compliance, hat_integral
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, CHANGES, COMPONENTS, DEGREE, REACH, PairGrid
-from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.cache import cached, digest
 from wheelrail.support.compiled import borrowing, compiled
 
 START = 0.04  # m: cells of 5 mm up to this distance; of 2.5 mm, forces change by 1e-6
 RECIPROCAL = np.array([1, 1, 1, 1, -1, -1, 1, 1])  # signs of the components of the pair in the other order
-TILE = 16  # lines: granularity of the parts of the surface whose correction is assembled
 OUTWARD = 1.0, -1.0  # outward normal of the upper body in the axes of the upper and of the lower one
 
 
@@ -40,8 +39,6 @@ class BodyCorrection:
 
     body: ElementInfluence
     outward: float
-    _filled: set[tuple[int, int]] = field(init=False, default_factory=set, repr=False)  # pairs of tiles
-    _latest: slice = field(init=False, default_factory=lambda: slice(0, 0), repr=False)  # lines of the latest tiles
 
     @cached_property
     def grid(self) -> PairGrid:
@@ -69,28 +66,45 @@ class BodyCorrection:
         lines = len(self.body.arc)
         return np.zeros((lines, lines, 2))
 
+    @cached_property
+    def _filled(self) -> Mask:
+        """Pairs of tiles (T, T) between which there are coefficients."""
+        tiles = -(-len(self.body.arc) // TILE)
+        return np.zeros((tiles, tiles), dtype=bool)
+
+    def bulk_compliance(self, moves: bool) -> BulkCompliance:
+        """The same, as far as it is filled; moves: whether strips move on the body."""
+        return BulkCompliance(self.body.arc, self.bulk, self._filled, moves, self._ends)
+
+    @cached_property
+    def _ends(self) -> Array:
+        """Ends (2,) m of the lines."""
+        return np.array([self.body.bounds[0], self.body.bounds[-1]])
+
     def between_lines(self, low: float, high: float) -> tuple[slice, Array]:
         """Lines that cover an interval of arc length m, and coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) of all
         lines, valid between these. Raises OutsideSurface beyond the lines.
         """
         first, last = self.body.window(low, high)
         first, last = max(first - 2, 0), min(last + 2, len(self.body.arc))
-        if self._latest.start <= first and last <= self._latest.stop:
-            return slice(first, last), self._coefficients
-        tiles = range(first // TILE, -(-last // TILE))
-        for tile in combinations_with_replacement(tiles, 2):
-            if tile not in self._filled:
-                rows, columns = (slice(TILE * k, min(TILE * (k + 1), len(self.body.arc))) for k in tile)
-                between = self._between(rows, columns)
-                for place, values in (
-                    ((rows, columns), between),
-                    ((columns, rows), RECIPROCAL * between.swapaxes(0, 1)),
-                ):
-                    self._coefficients[place] = values
-                    self.bulk[place] = bulk_compliance(values[:, :, 0], 1 / CELLS, START / CELLS)
-                self._filled.add(tile)
-        self._latest = slice(TILE * tiles.start, TILE * tiles.stop)
+        tiles = slice(first // TILE, -(-last // TILE))
+        if not self._filled[tiles, tiles].all():
+            for i, j in combinations_with_replacement(range(tiles.start, tiles.stop), 2):
+                if not self._filled[i, j]:
+                    self._fill(i, j)
         return slice(first, last), self._coefficients
+
+    def _fill(self, i: int, j: int) -> None:
+        """Fill the coefficients between two tiles."""
+        rows, columns = (slice(TILE * k, min(TILE * (k + 1), len(self.body.arc))) for k in (i, j))
+        between = self._between(rows, columns)
+        for place, values in (
+            ((rows, columns), between),
+            ((columns, rows), RECIPROCAL * between.swapaxes(0, 1)),
+        ):
+            self._coefficients[place] = values
+            self.bulk[place] = bulk_compliance(values[:, :, 0], 1 / CELLS, START / CELLS)
+        self._filled[i, j] = self._filled[j, i] = True
 
     def _between(self, rows: slice, columns: slice) -> Array:
         """Coefficients (R, C, cells, DEGREE + 1, COMPONENTS) of the displacement of lines by loads on others, with

@@ -6,11 +6,33 @@ fall linearly with the distance, 2 (G(l) - G(0)) / l^2 of G'' = C.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from wheelrail.contact.models.lattice.influence.pair_grid import DEGREE, NN, TN, TN_TURN
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import borrowing, compiled
+
+TILE = 16  # lines: granularity of the parts of the surface whose correction is assembled
+
+
+class BulkCompliance(NamedTuple):
+    """Compliance of a body between its lines.
+
+    Parameters:
+        arc: (ns,) m, of the lines.
+        values: (ns, ns, 2) m/N of pairs of lines, see `bulk_compliance`.
+        filled: (T, T) pairs of tiles of lines between which there are values.
+        moves: whether strips move on the body.
+        bounds: (2,) m, ends of its lines.
+    """
+
+    arc: Array
+    values: Array
+    filled: Mask
+    moves: bool
+    bounds: Array
 
 
 def bulk_compliance(coefficients: Array, width: float, length: float) -> Array:
@@ -60,6 +82,34 @@ def bulk_displacements(arc: Array, compliance: Array, place: Array, middle: Arra
                 at = (1.0 - t) * compliance[k - 1, m, c] + t * compliance[k, m, c]
                 total[i] += on_lines[m, c] * at
     return total
+
+
+@compiled
+def bulk_places(body: BulkCompliance, middle: Array, width: Array, foot: Array) -> Array:
+    """Arc length (n,) m on a body of the middles of strips with widths (n,) m, at most on its last lines.
+
+    middle, foot: (n,) m, on the upper and on the lower body.
+    """
+    places = np.empty(len(middle))
+    for i in range(len(middle)):
+        half, place = 0.5 * width[i], foot[i] if body.moves else middle[i]
+        places[i] = min(max(place, body.bounds[0] + half), body.bounds[1] - half)
+    return places
+
+
+@borrowing
+def bulk_known(body: BulkCompliance, first: tuple[Array, Array], second: tuple[Array, Array]) -> bool:
+    """Whether there are values between all lines around two sets of strips with middles and widths (n,) m."""
+    low, high, last = np.inf, -np.inf, len(body.arc) - 1
+    for places, width in (first, second):
+        for i in range(len(places)):
+            low, high = min(low, places[i] - 0.5 * width[i]), max(high, places[i] + 0.5 * width[i])
+    start = max(int(np.searchsorted(body.arc, low)) - 1, 0) // TILE
+    for i in range(start, min(int(np.searchsorted(body.arc, high)), last) // TILE + 1):
+        for j in range(start, i + 1):
+            if not body.filled[i, j]:
+                return False
+    return True
 
 
 @borrowing

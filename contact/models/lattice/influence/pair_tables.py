@@ -37,7 +37,9 @@ from wheelrail.contact.models.lattice.influence.body_correction import (
     PairMeans,
     pair_mean_slopes,
     pair_means,
+    strip_shares,
 )
+from wheelrail.contact.models.lattice.influence.bulk import BulkCompliance
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE
 from wheelrail.contact.models.lattice.influence.pair_samples import (
     Deviation,
@@ -49,6 +51,7 @@ from wheelrail.contact.models.lattice.influence.pair_samples import (
 )
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.compiled import compiled
 
 GROWTH = 1.5  # of the storage
 
@@ -74,6 +77,23 @@ class PairTables(NamedTuple):
     inverse: Array
     place: Nodes
     smooth: PairMeans
+
+
+class Lattice(NamedTuple):
+    """Strips of a lattice for compiled code.
+
+    Parameters:
+        middle, width: (K,) m.
+        stretch: (K,) length on the surface over length on the rolling circle.
+        carried: (K,) whether they lie on the lines of the bodies on which their place does not depend on the pose.
+        bounds: (2,) m, ends of the lines of the lower body, where their place on it does; infinite otherwise.
+    """
+
+    middle: Array
+    width: Array
+    stretch: Array
+    carried: Mask
+    bounds: Array
 
 
 class PoseMeans(NamedTuple):
@@ -134,6 +154,11 @@ class LatticeTables:
         """Finite bodies, each with its number: 0 upper, 1 lower."""
         return tuple((k, body) for k, body in enumerate(self._corrections) if body is not None)
 
+    @cached_property
+    def bulk(self) -> tuple[BulkCompliance, ...]:
+        """Compliance of the finite bodies between their lines."""
+        return tuple(body.bulk_compliance(which == 1 and self.moves) for which, body in self.bodies)
+
     def places_on(self, which: int, feet: Array) -> Array:
         """Arc length (K,) m of the strips' middles on the upper (0) or lower (1) body; feet as for `at`."""
         return feet if which == 1 and self.moves else self.middle
@@ -144,52 +169,50 @@ class LatticeTables:
         return self._corrections[1] is not None and not isinstance(self.operators.surfaces, QuadricStrips)
 
     def of(self, strips: Nodes, at: PoseMeans) -> PairTables:
-        """Tables of all pairs of some strips (C,) at a pose."""
+        """Tables of all pairs of some strips (C,) at a pose; later ones are not in them, see `holds`."""
+        self.complete(strips)
+        return PairTables(self._values, self._pair, self._first, self._count, self._inverse, at.place, at.smooth)
+
+    def complete(self, strips: Nodes) -> None:
+        """Add the tables that pairs of some strips (C,) lack."""
         key = strips.tobytes()
         if key not in self._complete:
             self._add(strips)
             self._complete.add(key)
-        return PairTables(self._values, self._pair, self._first, self._count, self._inverse, at.place, at.smooth)
 
-    def at(self, strips: Nodes, feet: Array | None, reach: float) -> PoseMeans:
+    def holds(self, tables: PairTables) -> bool:
+        """Whether these tables contain all pairs that have been added."""
+        return tables.first is self._first
+
+    def at(self, near: Mask, feet: Array, reach: float) -> PoseMeans:
         """What the tables of some strips take from a pose.
 
         Parameters:
-            strips: (C,) numbers of the strips, ascending.
-            feet: (K,) m, arc length of the strips' middles on the lower body; None where it does not matter.
+            near: (K,) the strips.
+            feet: (K,) m, arc length of their middles on the lower body.
             reach: m, longest distance along x.
-
-        Raises OutsideSurface beyond the lines of the lower body, see `on_lines`.
         """
-        place = np.zeros(len(self.middle), dtype=int)
-        if feet is None:
-            return PoseMeans(place, NO_MEANS)
+        if not self.moves:
+            return PoseMeans(np.zeros(len(near), dtype=int), NO_MEANS)
         lower = self._corrections[1]
         assert lower is not None
-        place[strips] = np.arange(len(strips))
-        return PoseMeans(place, self._means(lower, strips, feet[strips], lower.grid.cells_up_to(reach)))
+        place, middle, width, (low, high) = strips_on_lines(self.lattice, near, feet)
+        lines, between = lower.between_lines(low, high)
+        shares = strip_shares(lower.body.arc[lines], middle, width)
+        return PoseMeans(place, pair_means(between, lines.start, shares, lower.grid.cells_up_to(reach)))
 
-    def covers(self, feet: Array) -> Mask:
-        """Whether both bodies' lines carry strips with middles (K,) m on the lower one; not where these are NaN."""
-        carried = np.isfinite(feet)
-        for body, place in zip(self._corrections, (self.middle, feet if self.moves else self.middle), strict=True):
-            if body is not None:
-                low, high = body.body.bounds[0], body.body.bounds[-1]
-                carried &= (place - 0.5 * self.width >= low) & (place + 0.5 * self.width <= high)
-        return np.asarray(carried)
-
-    def on_lines(self, feet: Array) -> Array:
-        """Arc lengths (K,) m of the strips' middles on the lower body, those beyond its lines moved to the last ones.
-
-        There a deviation from a half-space is a guess, which serves to find that a strip remains without load.
-        """
-        bounds, half = self.operators.lower.bounds, 0.5 * self.width
-        return np.asarray(np.clip(feet, bounds[0] + half, bounds[-1] - half))
-
-    def check_on_lines(self, strips: Nodes, feet: Array) -> None:
-        """Raise OutsideSurface for strips (S,) beyond the lines of the lower body; feet (K,) m as for `of`."""
-        half = 0.5 * self.width[strips]
-        self.operators.lower.window(float((feet[strips] - half).min()), float((feet[strips] + half).max()))
+    @cached_property
+    def lattice(self) -> Lattice:
+        """The strips for compiled code."""
+        carried, bounds = np.ones(len(self.middle), dtype=bool), np.array([-np.inf, np.inf])
+        for which, body in self.bodies:
+            ends = body.body.bounds[[0, -1]]
+            if which == 1 and self.moves:
+                bounds = ends
+            else:
+                half = 0.5 * self.width
+                carried &= (self.middle - half >= ends[0]) & (self.middle + half <= ends[1])
+        return Lattice(self.middle, self.width, self.stretch, carried, bounds)
 
     def deviation_of(self, which: int, strips: Nodes, feet: Array, reach: float) -> PairTables | None:
         """Tables of the deviation from a half-space of the upper (0) or lower (1) body alone, as `of`; None for a
@@ -274,6 +297,31 @@ class LatticeTables:
         share = np.zeros((len(self.middle), lines.stop - lines.start))
         share[strips] = body.shares(lines, middle, width)
         return Deviation(between, lines.start, share)
+
+
+@compiled
+def strips_on_lines(lattice: Lattice, chosen: Mask, feet: Array) -> tuple[Nodes, Array, Array, tuple[float, float]]:
+    """Numbers (K,) of chosen strips among these, their middles on the lower body and widths (C,) m, and the ends m of
+    the part that they cover.
+
+    Strips beyond the lines of the body are moved to the last ones. There a deviation from a half-space is a guess,
+    which serves to find that a strip remains without load.
+
+    Parameters:
+        lattice: all strips.
+        chosen: (K,).
+        feet: (K,) m, arc length of their middles on the lower body.
+    """
+    strips, place = np.flatnonzero(chosen), np.zeros(len(chosen), dtype=np.int64)
+    middle, width = np.empty(len(strips)), np.empty(len(strips))
+    low, high = np.inf, -np.inf
+    for i in range(len(strips)):
+        k = strips[i]
+        half = 0.5 * lattice.width[k]
+        place[k], width[i] = i, lattice.width[k]
+        middle[i] = min(max(feet[k], lattice.bounds[0] + half), lattice.bounds[1] - half)
+        low, high = min(low, middle[i] - half), max(high, middle[i] + half)
+    return place, middle, width, (low, high)
 
 
 def half_space_scale(body: HalfSpaceInfluence) -> float:

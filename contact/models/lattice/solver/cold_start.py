@@ -46,7 +46,7 @@ def cold_start(
         cut = pressure[:, [0, -1]] > 0
         if not cut.any():
             break
-        ends = np.clip(ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0], *problem.window)
+        ends = np.clip(ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0], *problem.lines.window)
     if state is None:
         raise NotConverged("the cells of the first strips carry no pressure")
     return state

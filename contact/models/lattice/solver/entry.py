@@ -65,15 +65,20 @@ def entering(
 
     Raises OutsideSurface, NotConverged.
     """
-    new = penetrating(problem, state, barred, least)
-    return _entered(problem, state, new) if len(new.strips) else None
+    return entered(problem, state, penetrating(problem, state, barred, least))
 
 
 def penetrating(problem: LatticeProblem, state: LatticeState, barred: set[int], least: Excess = LEAST) -> Overlaps:
     """Unloaded strips that penetrate by more than a least penetration. Raises OutsideSurface."""
-    rest = _remaining(problem, state, barred)
+    return overlaps(problem, _remaining(problem, state, barred), least)
+
+
+def overlaps(problem: LatticeProblem, rest: Remaining, least: Excess = LEAST) -> Overlaps:
+    """Strips whose remaining penetration exceeds a least one. Raises OutsideSurface."""
     if not rest.inside:
         raise OutsideSurface(TOO_LONG)
+    if not len(rest.strips):
+        return NO_OVERLAPS
     enters = rest.depth > least.approach * problem.approach + least.onset * problem.lines.onset[rest.strips]
     if not enters.any():
         return NO_OVERLAPS
@@ -83,13 +88,12 @@ def penetrating(problem: LatticeProblem, state: LatticeState, barred: set[int], 
 
 def _remaining(problem: LatticeProblem, state: LatticeState, barred: set[int]) -> Remaining:
     """`search` of the strips that may enter."""
-    places = _probes(problem), problem.lines, problem.probed, problem.near, np.array(sorted(barred), dtype=int)
+    places = probes_of(problem), problem.lines, np.array(sorted(barred), dtype=int)
     while True:
-        data = problem.of(state.strips)._replace(tables=problem.pairs(state.strips))
-        complete, rest, known = search(state.values, data, *places)
+        complete, rest, known = search(state.values, problem.of(state.strips), *places)
         if complete:
             return rest
-        problem.pairs(known)
+        problem.add_pairs(known)
 
 
 def remaining_penetration(
@@ -98,28 +102,35 @@ def remaining_penetration(
     """Penetration (n, C) m of unloaded strips (n,) that the tractions of the loaded ones leave, means over equal cells
     from low to high (n,) m. Raises OutsideSurface.
     """
-    data = problem.of(state.strips)._replace(tables=problem.pairs(np.union1d(state.strips, strips)))
-    inside, depth = excess(state.values, data, _probes(problem), cells, strips, low, high)
+    problem.add_pairs(np.union1d(state.strips, strips))
+    lattice, onset = problem.tables.lattice, problem.lines.onset
+    inside, depth = excess(state.values, problem.of(state.strips), lattice, onset, cells, strips, low, high)
     if not inside:
         raise OutsideSurface(TOO_LONG)
     return np.where(np.isfinite(depth), depth, -problem.approach)
 
 
-def _probes(problem: LatticeProblem) -> Probes:
-    return Probes(problem.middle, problem.width, problem.tables.stretch, problem.lines.onset, FIRST, PROBES)
+def probes_of(problem: LatticeProblem) -> Probes:
+    """Cells on which `search` evaluates the remaining penetration."""
+    return Probes(problem.tables.lattice, FIRST, PROBES)
 
 
-def _entered(problem: LatticeProblem, state: LatticeState, overlaps: Overlaps) -> LatticeState | None:
-    """Strips under their remaining penetration, by complementarity on cells, while the loaded strips do not change."""
-    new, (low, high) = overlaps.strips, overlaps.ends.T
+def entered(problem: LatticeProblem, state: LatticeState, found: Overlaps) -> LatticeState | None:
+    """Strips under their remaining penetration, by complementarity on cells, while the loaded strips do not change.
+
+    None without any. Raises OutsideSurface, NotConverged.
+    """
+    if not len(found.strips):
+        return None
+    new, (low, high) = found.strips, found.ends.T
     for widening in range(WIDENINGS):
         depth = remaining_penetration(problem, state, new, low, high)
         cut = depth[:, [0, -1]] > 0
         if not cut.any() or widening == WIDENINGS - 1:
             break
         length = high - low
-        low = np.maximum(low - 0.5 * cut[:, 0] * length, problem.window[0])
-        high = np.minimum(high + 0.5 * cut[:, 1] * length, problem.window[1])
+        low = np.maximum(low - 0.5 * cut[:, 0] * length, problem.lines.window[0])
+        high = np.minimum(high + 0.5 * cut[:, 1] * length, problem.lines.window[1])
     stretch = problem.tables.stretch[new]
     x = stretch[:, None] * (low[:, None] + (high - low)[:, None] * PROBES.row_marks)
     grid = StripGrid(x, stretch * (high - low), problem.width[new], stretch, new, problem.middle[new])

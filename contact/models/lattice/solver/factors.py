@@ -60,21 +60,10 @@ class Factors(NamedTuple):
             raise NotConverged(SINGULAR)
         return factors
 
-    def fit(self, values: Array, block: int) -> bool:
-        """Whether they are those of a state with values (S, block), also where they are read from a file."""
-        n = len(values) * block
-        vectors = (self.pivots, self.rows, self.columns)
-        return (
-            values.shape == (len(values), block)
-            and self.lu.shape == (n, n)
-            and all(vector.shape == (n,) for vector in vectors)
-            and self.slopes.shape == self.present.shape == (len(values), (block - MOMENTS) // 2, SLOPES)
-            and self.slips.shape == (len(values), block - MOMENTS, n)
-            and self.spread.shape == self.gather.T.shape == (n, self.spread.shape[1])
-            and all(part.dtype == np.float32 for part in (self.lu, self.slips, self.spread, self.gather))
-            and n > 0
-            and bool(self.pivots.min() >= 1 and self.pivots.max() <= n)
-        )
+    @property
+    def single(self) -> bool:
+        """Whether they are in single precision, also where they are read from a file."""
+        return self.lu.dtype == self.slips.dtype == self.spread.dtype == self.gather.dtype == np.float32
 
     def step(self, residual: Array) -> Array:
         """Step (S, block) that cancels the linearised residual (S, block)."""
@@ -116,6 +105,28 @@ class Lapack(NamedTuple):
 def lapack() -> Lapack:
     """Those of SciPy's library."""
     return Lapack(*(int(get_cython_function_address("scipy.linalg.cython_lapack", name)) for name in Lapack._fields))
+
+
+@borrowing
+def fit(factors: Factors, strips: int, cells: int, block: int) -> bool:
+    """Whether factors are those of a number of strips with some cells and unknowns each, also where they are read from
+    a file.
+    """
+    n, rank = strips * block, factors.spread.shape[1]
+    for vector in (factors.rows, factors.columns):
+        if len(vector) != n:
+            return False
+    for slopes in (factors.slopes, factors.present):
+        if slopes.shape != (strips, cells, SLOPES):
+            return False
+    if factors.slips.shape != (strips, 2 * cells, n) or factors.lu.shape != (n, n) or len(factors.pivots) != n:
+        return False
+    if factors.spread.shape != (n, rank) or factors.gather.shape != (rank, n):
+        return False
+    valid = True
+    for k in range(n):
+        valid = valid and 1 <= factors.pivots[k] <= n
+    return valid
 
 
 @compiled

@@ -8,10 +8,11 @@ import numpy as np
 
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
-from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
+from wheelrail.contact.models.lattice.influence.pair_tables import Lattice, PairTables
 from wheelrail.contact.models.lattice.influence.short_strips import split_jumps
+from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
 from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
-from wheelrail.contact.models.lattice.system.surface import GAUSS, ContactLines, penetration
+from wheelrail.contact.models.lattice.system.surface import GAUSS, penetration
 from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import borrowing, compiled
 
@@ -46,27 +47,29 @@ class Probes(NamedTuple):
     """Where the remaining penetration is evaluated.
 
     Parameters:
-        middle, width: (K,) m, of all strips of the lattice.
-        stretch: (K,).
-        onset: (K,) m, mean gap at which they begin to touch.
+        lattice: all strips.
         first, second: equal cells along the probed range, for an estimate, and along the part around its maximum.
     """
 
-    middle: Array
-    width: Array
-    stretch: Array
-    onset: Array
+    lattice: Lattice
     first: StripBasis
     second: StripBasis
 
 
 @compiled
 def excess(
-    values: Array, data: EquationData, probes: Probes, basis: StripBasis, strips: Nodes, low: Array, high: Array
+    values: Array,
+    data: EquationData,
+    lattice: Lattice,
+    onset: Array,
+    basis: StripBasis,
+    strips: Nodes,
+    low: Array,
+    high: Array,
 ) -> tuple[bool, Array]:
     """Remaining penetration (n, C) m at the edge where strips (n,) that are not loaded begin to touch, means over the
-    cells of a basis from low to high (n,) m along them; values (S, block) of the loaded ones. The flag is as in
-    `Remaining`; beyond the lower body it is -inf.
+    cells of a basis from low to high (n,) m along them; values (S, block) of the loaded ones, onset (K,) m of all. The
+    flag is as in `Remaining`; beyond the lower body it is -inf.
     """
     motion = data.motion
     n, C, count = len(strips), len(basis.marks) - 1, len(basis.stations)
@@ -76,24 +79,24 @@ def excess(
         for g in range(2):
             for m in range(count):
                 at = (2 * i + g) * count + m
-                s[at] = probes.middle[k] + (2 * g - 1) * GAUSS * probes.width[k]
+                s[at] = lattice.middle[k] + (2 * g - 1) * GAUSS * lattice.width[k]
                 x[at] = low[i] + (high[i] - low[i]) * basis.stations[m]
     edges = np.empty((n, C + 1))
     for i in range(n):
         for r in range(C + 1):
-            edges[i, r] = probes.stretch[strips[i]] * (low[i] + (high[i] - low[i]) * basis.marks[r])
+            edges[i, r] = lattice.stretch[strips[i]] * (low[i] + (high[i] - low[i]) * basis.marks[r])
     grid, rolls = strip_grid(values, data.places, data.basis), motion.speed > 0.0
     jumps = force_jumps(values, data.places, data.basis, rolls)
     split = split_jumps(values, data.places.width, data.basis, rolls)
     inside, total = normal_displacements(
-        data.tables, strips, probes.middle[strips], edges, grid, jumps, split, data.basis
+        data.tables, strips, lattice.middle[strips], edges, grid, jumps, split, data.basis
     )
     depth = penetration(data.surface, motion.origin, motion.rotation, s, x).depth
     for i in range(n):
         for r in range(C):
             for m in range(2 * count):
                 total[i, r] += 0.5 * basis.cell_penetration[r, m % count] * depth[2 * i * count + m]
-            total[i, r] += probes.onset[strips[i]]
+            total[i, r] += onset[strips[i]]
             if not np.isfinite(total[i, r]):
                 total[i, r] = -np.inf
     return inside, total
@@ -137,7 +140,7 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
             middle = 0.5 * (values[near, last] + values[near, last - 1]) + along
             half = RANGE * max(0.5 * (values[near, last] - values[near, last - 1]), 0.1 * extent) + abs(along)
         low[k], high[k] = middle - half, middle + half
-    inside, first = excess(values, data, probes, probes.first, free, low, high)
+    inside, first = excess(values, data, probes.lattice, lines.onset, probes.first, free, low, high)
     close = np.zeros(n, dtype=np.bool_)
     place, highest = np.empty(n), np.empty(n)
     for k in range(n):
@@ -151,7 +154,7 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
     low, high = place - 2.0 * probed / C, place + 2.0 * probed / C
     deepest, bend, unsure = np.empty(len(strips)), np.empty(len(strips)), np.arange(len(strips))
     for _ in range(NARROWINGS):
-        found, second = excess(values, data, probes, probes.second, strips[unsure], low, high)
+        found, second = excess(values, data, probes.lattice, lines.onset, probes.second, strips[unsure], low, high)
         inside = inside and found
         doubtful = np.zeros(len(unsure), dtype=np.bool_)
         for i in range(len(unsure)):
@@ -167,7 +170,7 @@ def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactL
 
 @compiled
 def search(
-    values: Array, data: EquationData, probes: Probes, lines: ContactLines, probed: Mask, near: Mask, barred: Nodes
+    values: Array, data: EquationData, probes: Probes, lines: ContactLines, barred: Nodes
 ) -> tuple[bool, Remaining, Nodes]:
     """Remaining penetration of the strips that may enter: of those that are probed at first or next to loaded ones, and
     of further ones as long as it grows from strip to strip.
@@ -175,16 +178,15 @@ def search(
     Parameters:
         values: (S, block) of the loaded strips.
         data: of their equations.
-        probes, lines: of all K strips.
-        probed: (K,) strips to look at first.
-        near: (K,) strips near to contact.
+        probes, lines: of all strips.
         barred: (n,) numbers of strips that must not enter.
 
     The flag is False where tables of pairs are missing: of those between the strips in the last result.
     """
-    taken = np.zeros(len(probed), dtype=np.bool_)
+    near = lines.near
+    taken = np.zeros(len(near), dtype=np.bool_)
     taken[data.places.strip] = True
-    known = probed | taken
+    known = lines.probed | taken
     known |= next_to_loaded(data.places.strip, known, near)
     taken[barred] = True
     while True:

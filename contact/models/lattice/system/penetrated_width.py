@@ -16,6 +16,15 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import roots_legendre
 
+from wheelrail.contact.models.lattice.influence.bulk import (
+    BulkCompliance,
+    bulk_displacements,
+    bulk_known,
+    bulk_places,
+)
+from wheelrail.contact.models.lattice.influence.pair_tables import Lattice
+from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
+from wheelrail.contact.models.lattice.system.equations import EquationData, strip_loads
 from wheelrail.contact.models.lattice.system.surface import SurfaceData, crests, penetration_changes
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import borrowing, compiled
@@ -48,6 +57,30 @@ def strips_across(depth: Array) -> float:
             if j < K - 1 and depth[j] <= depth[j - 1] and depth[j] <= depth[j + 1]:
                 least = min(least, max(depth[j] - 0.25 * (depth[j - 1] - 2.0 * depth[j] + depth[j + 1]), 0.0))
     return OF_PARABOLA * double / square if square > 0.0 else 0.0
+
+
+@compiled
+def strips_beside_bulk(
+    values: Array, data: EquationData, lines: ContactLines, lattice: Lattice, bodies: tuple[BulkCompliance, ...]
+) -> tuple[bool, float]:
+    """`strips_across` of the penetration less the displacement of finite bodies by the loads of a state, and whether
+    their compliance is known there.
+
+    Parameters:
+        values, data: (S, block) of the loaded strips, and data of their equations.
+        lines, lattice: of all strips.
+        bodies: finite ones.
+    """
+    loads, loaded = strip_loads(values, data.places, data.basis, data.motion.speed > 0.0), data.places.strip
+    depth, inside = lines.depth.copy(), np.flatnonzero(lines.depth > 0.0)
+    wide, own = lattice.width[inside], data.places.width
+    for body in bodies:
+        places = bulk_places(body, lattice.middle[inside], wide, lines.foot[inside])
+        under = bulk_places(body, data.places.middle, own, lines.foot[loaded])
+        if not bulk_known(body, (places, wide), (under, own)):
+            return False, 0.0
+        depth[inside] -= bulk_displacements(body.arc, body.values, places, under, own, loads)
+    return True, strips_across(depth)
 
 
 @compiled

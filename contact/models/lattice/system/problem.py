@@ -12,6 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.contact.elasticity.waveguide.influence import BEYOND
 from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
@@ -21,6 +22,7 @@ from wheelrail.contact.laws.residual_call import ResidualCode
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, Tangential
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables, PoseMeans
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
+from wheelrail.contact.models.lattice.system.contact_lines import MARGIN, ContactLines, contact_lines
 from wheelrail.contact.models.lattice.system.equations import (
     EquationData,
     Evaluation,
@@ -33,20 +35,16 @@ from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.partial_width import opening
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.lattice.system.surface import (
-    MARGIN,
-    ContactLines,
     Motion,
     Penetration,
     PenetrationChanges,
     SurfaceData,
-    contact_lines,
     frames,
     motion_data,
     penetration,
     penetration_changes,
-    smallest_gaps,
 )
-from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.arrays import Array, Nodes
 
 NO_FRICTION = ResidualCode(0, 0, np.zeros(0), 0.0)
 OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
@@ -108,9 +106,12 @@ class LatticeProblem:
     @cached_property
     def lines(self) -> ContactLines:
         """Where the strips touch."""
-        return contact_lines(
-            self.surface, motion_data(self.pose, self.motion, 1.0), self.middle, self.width, self.margin
-        )
+        return contact_lines(self.surface, self._motion, self.tables.lattice, self.margin)
+
+    @cached_property
+    def _motion(self) -> Motion:
+        """Pose and velocities for compiled code, at a speed of 1 m/s."""
+        return motion_data(self.pose, self.motion, 1.0)
 
     @property
     def depth(self) -> Array:
@@ -120,7 +121,7 @@ class LatticeProblem:
     @property
     def too_deep(self) -> bool:
         """Whether the wheel lies inside the rail, so deep that no closest points are within reach."""
-        surfaces, data = self.tables.operators.surfaces, motion_data(self.pose, self.motion, 1.0)
+        surfaces, data = self.tables.operators.surfaces, self._motion
         if not isinstance(surfaces, ProfileStrips):
             return False
         rail = surfaces.rail.point(np.linspace(*surfaces.rail.s_range, SAMPLES))
@@ -134,30 +135,20 @@ class LatticeProblem:
         """Place (K,) m along x of the largest penetration, and curvature (K,) 1/m there."""
         return self.lines.x, self.lines.curvature
 
-    @cached_property
+    @property
     def approach(self) -> float:
         """Largest penetration m of a strip."""
-        return float(self.depth.max())
+        return self.lines.approach
 
     @cached_property
     def candidates(self) -> Nodes:
-        """Strips with positive penetration. Raises OutsideSurface where they reach the end of the lattice."""
-        inside = np.flatnonzero(self.depth > 0)
-        if len(inside) and (inside[0] == 0 or inside[-1] == len(self.depth) - 1):
+        """Strips with positive penetration."""
+        return np.flatnonzero(self.depth > 0)
+
+    def check_inside(self) -> None:
+        """Raise OutsideSurface where the penetration reaches the end of the lattice."""
+        if self.depth[0] > 0 or self.depth[-1] > 0:
             raise OutsideSurface(OUTSIDE)
-        return inside
-
-    @cached_property
-    def near(self) -> Mask:
-        """Strips (K,) that displacements may bring into contact: friction on a tread can close the gap of a flange."""
-        return self.tables.covers(self.lines.foot) | (self.depth > 0)
-
-    @cached_property
-    def probed(self) -> Mask:
-        """Strips (K,) to look at first: those that penetrate or lie where the gap is smallest, and the next ones on
-        either side.
-        """
-        return smallest_gaps(self.depth, self.near)
 
     @cached_property
     def speed(self) -> float:
@@ -176,7 +167,7 @@ class LatticeProblem:
     @cached_property
     def data(self) -> Motion:
         """Pose and velocities for compiled code."""
-        return motion_data(self.pose, self.motion, self.speed)
+        return self._motion._replace(speed=self.speed)
 
     def penetration(self, s: Array, x: Array) -> Penetration:
         """Undeformed penetration at points (n,)."""
@@ -188,18 +179,11 @@ class LatticeProblem:
         data = self.data
         return penetration_changes(self.surface, data.origin, data.rotation, s, x)
 
-    @cached_property
-    def window(self) -> tuple[float, float]:
-        """Range m of x in which there may be contact: twice the region of penetration."""
-        x, bend = (values[self.probed] for values in self.crest)
-        half = np.sqrt(2 * np.maximum(self.depth[self.probed], 0.0) / bend)
-        low, high = float((x - half).min()), float((x + half).max())
-        return 1.5 * low - 0.5 * high, 1.5 * high - 0.5 * low
-
     @property
     def reach(self) -> float:
         """Longest distance m along x in the contact."""
-        return self.window[1] - self.window[0]
+        low, high = self.lines.window
+        return high - low
 
     def places(self, strips: Nodes) -> StripPlaces:
         """Places of some strips (S,)."""
@@ -216,26 +200,34 @@ class LatticeProblem:
 
     @cached_property
     def _means(self) -> PoseMeans:
-        feet = self.tables.on_lines(self.lines.foot) if self.tables.moves else None
-        return self.tables.at(np.flatnonzero(self.near), feet, self.reach)
+        return self.tables.at(self.lines.near, self.lines.foot, self.reach)
 
     def pairs(self, strips: Nodes) -> PairTables:
         """Tables of the pairs of some strips (S,). Raises OutsideSurface."""
         return self.tables.of(strips, self._means)
 
+    def add_pairs(self, strips: Nodes) -> None:
+        """Complete the tables by those of the pairs of some strips (S,)."""
+        self.tables.complete(strips)
+
     def check_loaded(self, strips: Nodes) -> None:
         """Raise OutsideSurface where loaded strips (S,) lie beyond the lower body's lines, as unloaded ones may."""
-        if self.tables.moves:
-            self.tables.check_on_lines(strips, self.lines.foot)
+        if self.tables.moves and not self.lines.covered[strips].all():
+            raise OutsideSurface(BEYOND)
 
     def of(self, strips: Nodes) -> EquationData:
-        """Data of the equations of some strips (S,), stored. Raises OutsideSurface."""
+        """Data of the equations of some strips (S,), stored, with the tables of all pairs that have been added. Raises
+        OutsideSurface.
+        """
         key = strips.tobytes()
-        if key not in self._stored:
+        stored = self._stored.get(key)
+        if stored is None:
             law = NO_FRICTION if self.law is None else self.law.code
             data = self.surface, self.data, self.places(strips), self.basis, law, self.rho
-            self._stored[key] = EquationData(self.pairs(strips), *data)
-        return self._stored[key]
+            stored = self._stored[key] = EquationData(self.pairs(strips), *data)
+        elif not self.tables.holds(stored.tables):
+            stored = self._stored[key] = stored._replace(tables=self.pairs(strips))
+        return stored
 
     @cached_property
     def _stored(self) -> dict[bytes, EquationData]:

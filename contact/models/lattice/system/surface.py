@@ -10,11 +10,11 @@ from wheelrail.contact.geometry.quadric_pair import curvature
 from wheelrail.contact.geometry.strip_surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.contact.geometry.wheel_surface import Place, on_circle, write_frame
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
-from wheelrail.contact.models.lattice.system.partial_width import partial_widths
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
-from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
 
+GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
 CREST_STEPS = 12
 CREST_ERROR = 1e-10  # m
 STEEPEST = 0.9  # slope of the fixed-point map up to which Newton's step is taken; a maximum has less than 1
@@ -408,93 +408,3 @@ def _store_shift(
             shift[i, 1] += y * (own - other)
             slope[i, 0] += x * own_change + x_change * own - level[i, c] * other_change
             slope[i, 1] += y * (own_change - other_change) + y_change * (own - other)
-
-
-class ContactLines(NamedTuple):
-    """Where K strips touch: on their middles, the points of largest penetration along x.
-
-    Parameters:
-        depth: (K,) m, penetration at their x, the mean over the width; -inf far from contact.
-        onset, whole: (K,) m, see `wheelrail.contact.models.lattice.system.partial_width.partial_widths`.
-        x: (K,) m, its place along x.
-        curvature: (K,) 1/m, relative curvature along x there.
-        foot: (K,) m, arc length of the closest points on the lower body; NaN where the gap exceeds the margin.
-        level: (K, 3) longitudinal axis.
-        speed: m/s at which both materials flow backwards, the mean weighted by the squared penetration; 0 without
-            penetration.
-    """
-
-    depth: Array
-    onset: Array
-    whole: Array
-    x: Array
-    curvature: Array
-    foot: Array
-    level: Array
-    speed: float
-
-
-GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
-BETWEEN = 4  # strips between those at which the penetration is estimated first
-MARGIN = 3e-4  # m, by which it may be larger in between, and largest gap that displacements may close: ordinary strips
-
-
-@compiled
-def contact_lines(surface: SurfaceData, motion: Motion, middle: Array, width: Array, margin: float) -> ContactLines:
-    """`ContactLines` of strips with middles and widths (K,) m; margin m, largest gap between strips that matter."""
-    K = len(middle)
-    depth, x, curvature = np.full(K, -np.inf), np.zeros(K), np.ones(K)
-    count = (K + BETWEEN - 2) // BETWEEN + 1
-    probes = np.empty(count, dtype=np.int64)
-    for k in range(count):
-        probes[k] = min(k * BETWEEN, K - 1)
-    near = crests(surface, motion.origin, motion.rotation, middle[probes])[0].depth > -margin
-    own = np.zeros(K, dtype=np.bool_)
-    for k in range(count):
-        if near[k]:
-            own[max(probes[k] - BETWEEN, 0) : probes[k] + BETWEEN + 1] = True
-    inside = np.flatnonzero(own)
-    closest, crest, bend = crests(surface, motion.origin, motion.rotation, middle[inside])
-    s, along = np.empty(2 * len(inside)), np.empty(2 * len(inside))
-    for k in range(len(inside)):
-        for g in range(2):
-            s[2 * k + g] = middle[inside[k]] + (2 * g - 1) * GAUSS * width[inside[k]]
-            along[2 * k + g] = crest[k]
-    sides = penetration(surface, motion.origin, motion.rotation, s, along).depth
-    for k in range(len(inside)):
-        depth[inside[k]] = 0.5 * (sides[2 * k] + sides[2 * k + 1])
-        x[inside[k]], curvature[inside[k]] = crest[k], bend[k]
-    foot, level = np.full(K, np.nan), np.zeros((K, 3))
-    for k in range(len(inside)):
-        if depth[inside[k]] > -margin:
-            foot[inside[k]] = closest.foot[k]
-    touching = np.flatnonzero(depth > -margin)
-    s, along = middle[touching], x[touching]
-    places = frames(surface, motion.origin, motion.rotation, s, along)
-    flow = rigid_shift(places, np.ascontiguousarray(places.axes[:, 0]), motion)[2]
-    total, weights = 0.0, 0.0
-    for k in range(len(touching)):
-        i = touching[k]
-        level[i] = places.axes[k, 0]
-        weight = max(depth[i], 0.0) ** 2 * width[i]
-        total, weights = total - weight * flow[k], weights + weight
-    onset, whole = partial_widths(depth, curvature, middle, width)
-    return ContactLines(depth, onset, whole, x, curvature, foot, level, total / weights if weights > 0.0 else 0.0)
-
-
-@compiled
-def smallest_gaps(depth: Array, near: Mask) -> Mask:
-    """Strips (K,) that penetrate or, of those near to contact, lie where the gap is smallest, and the next ones.
-
-    Parameters:
-        depth: (K,) m, penetration.
-        near: (K,) strips near to contact.
-    """
-    K = len(depth)
-    chosen = np.zeros(K, dtype=np.bool_)
-    for k in range(K):
-        smallest = near[k] and depth[k] >= depth[max(k - 1, 0)] and depth[k] >= depth[min(k + 1, K - 1)]
-        if smallest or depth[k] > 0.0:
-            for m in range(max(k - 1, 0), min(k + 2, K)):
-                chosen[m] = chosen[m] or near[m]
-    return chosen
