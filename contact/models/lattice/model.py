@@ -24,15 +24,11 @@ from wheelrail.contact.models.lattice.levels import ORDINARY, LevelShares, Level
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
-from wheelrail.contact.models.lattice.solver.entry import entered, entering, overlaps, penetrating, probes_of
-from wheelrail.contact.models.lattice.solver.factors import lapack
-from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS, KeptFactors
+from wheelrail.contact.models.lattice.solver.entry import penetrating
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.solver.warm_start import warm_start
 from wheelrail.contact.models.lattice.system.contact_lines import MARGIN
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
-from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.lattice.system.surface import SurfaceData, surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
@@ -228,37 +224,14 @@ class LatticeContact:
             return None
         if earlier.state.values.shape[1] != self._block:
             return None
-        state, kept = earlier.state, NO_FACTORS
+        newton, state = LatticeNewton(problem, self.tolerance, count), earlier.state
         remain = problem.lines.near[state.strips]
         if not remain.any():
             return None
         try:
             if remain.all():
-                data, limits = problem.of(state.strips), (self.tolerance, FARTHEST)
-                start = warm_start(
-                    state.values, data, earlier.factors, lapack(), *limits, probes_of(problem), problem.lines
-                )
-                steps = start.steps
-                count.linear += steps.evaluations
-                state = LatticeState(state.strips, steps.values)
-                if steps.converged:
-                    if start.complete:
-                        new = entered(problem, state, overlaps(problem, start.rest))
-                    else:
-                        new = entering(problem, state, set())
-                    if new is None:
-                        count.residual = steps.size
-                        return LatticeSolution(state, earlier.factors)
-                    state = state.joined(new)
-                elif steps.leaves.all() or not steps.size < FARTHEST:
-                    return None
-                elif steps.leaves.any():
-                    state = state.at(~steps.leaves)
-                else:
-                    kept = KeptFactors(True, earlier.factors, steps.evaluation)
-            else:
-                state = state.at(remain)
-            return LatticeNewton(problem, self.tolerance, count).solve(state, WARM_ITERATIONS, FARTHEST, kept)
+                return newton.from_earlier(earlier, WARM_ITERATIONS, FARTHEST)
+            return newton.solve(state.at(remain), WARM_ITERATIONS, FARTHEST)
         except (NotConverged, OutsideSurface) as error:
             log.debug("from the earlier result: %s", error)
             return None

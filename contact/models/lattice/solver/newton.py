@@ -9,7 +9,8 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG as TOO_FAR
-from wheelrail.contact.models.lattice.solver.entry import UNCERTAIN, entering
+from wheelrail.contact.models.lattice.solver.advance import Advance, advance, warm_start
+from wheelrail.contact.models.lattice.solver.entry import UNCERTAIN, entered, entering, overlaps, probes_of
 from wheelrail.contact.models.lattice.solver.factors import SINGULAR as SINGULAR_JACOBIAN
 from wheelrail.contact.models.lattice.solver.factors import Factors, lapack
 from wheelrail.contact.models.lattice.solver.iteration import (
@@ -24,7 +25,6 @@ from wheelrail.contact.models.lattice.solver.iteration import (
     KeptFactors,
     Limits,
     Progress,
-    iterate,
 )
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
@@ -67,7 +67,7 @@ class LatticeNewton:
         self._releases = 0
 
     def solve(
-        self, state: LatticeState, iterations: int, farthest: float = np.inf, kept: KeptFactors = NO_FACTORS
+        self, state: LatticeState, iterations: int, farthest: float = np.inf, first: Advance | None = None
     ) -> LatticeSolution:
         """Solution from a state.
 
@@ -75,20 +75,23 @@ class LatticeNewton:
             state: strips and unknowns.
             iterations: linearisations at most.
             farthest: longest first step, relative.
-            kept: factors of an earlier state of the same strips, and the evaluation of this one.
+            first: iterations from this state that have been made already.
 
         Raises NotConverged, also if the first step exceeds farthest, and OutsideSurface.
         """
-        entered, done = False, 0  # whether strips have entered since they last changed; iterations
+        entered, done, kept = False, 0, NO_FACTORS  # whether strips have entered since they last changed; iterations
         while True:
-            at = self._advanced(state, kept, entered, Limits(self.tolerance, farthest, iterations - done))
-            done, farthest = done + at.iterations, np.inf
+            if first is None:
+                first = self._advanced(state, kept, entered, Limits(self.tolerance, farthest, iterations - done))
+            ahead, at, first = first, self._counted(first.progress), None
+            farthest = np.inf if at.iterations else farthest
+            done += at.iterations
             state, kept = LatticeState(state.strips, at.values), at.kept
             log.debug("iteration %d: step %.1e, %d strips", done, at.size, len(state.strips))
             if at.event == LEAVES:
-                state, kept, entered = self._without(state, at.leaves), NO_FACTORS, False
+                state, kept, entered = self._without(state, at.leaves, at.iterations > 0), NO_FACTORS, False
             elif at.event != PAUSED:
-                grown = self._entered(state)
+                grown = self._entered(state, ahead)
                 if grown is None and at.event == CONVERGED:
                     grown = self._released(state)
                     if grown is None:
@@ -98,20 +101,36 @@ class LatticeNewton:
                 if grown is not None:
                     state, kept = grown, NO_FACTORS
 
-    def _advanced(self, state: LatticeState, kept: KeptFactors, entered: bool, limits: Limits) -> Progress:
-        """Some iterations. Raises NotConverged and OutsideSurface."""
+    def from_earlier(self, earlier: LatticeSolution, iterations: int, farthest: float) -> LatticeSolution:
+        """Solution from that of another pose on the same strips.
+
+        Parameters:
+            earlier: solution.
+            iterations, farthest: see `solve`.
+
+        Raises NotConverged, also if the first step exceeds farthest, and OutsideSurface.
+        """
+        problem, state = self.problem, earlier.state
+        limits = Limits(self.tolerance, farthest, self._uninterrupted(state, iterations))
+        data, probes = problem.of(state.strips), probes_of(problem)
+        first = warm_start(state.values, data, earlier.factors, limits, lapack(), probes, problem.lines)
+        return self.solve(state, iterations, farthest, first)
+
+    def _advanced(self, state: LatticeState, kept: KeptFactors, entered: bool, limits: Limits) -> Advance:
+        """Some iterations. Raises NotConverged."""
         check_interrupt()
         if not limits.iterations:
             raise NotConverged(f"Newton's method did not converge ({len(state.strips)} strips)")
-        some = min(limits.iterations, max(1, int(UNINTERRUPTED / state.values.size**3)))
-        at = iterate(
-            state.values,
-            self.problem.of(state.strips),
-            kept,
-            entered,
-            limits._replace(iterations=some),
-            lapack(),
-        )
+        problem, some = self.problem, limits._replace(iterations=self._uninterrupted(state, limits.iterations))
+        data, probes, barred = problem.of(state.strips), probes_of(problem), np.array(sorted(self._barred), dtype=int)
+        return advance(state.values, data, kept, entered, some, lapack(), probes, problem.lines, barred)
+
+    def _uninterrupted(self, state: LatticeState, iterations: int) -> int:
+        """Number of iterations without a look at Ctrl-C."""
+        return min(iterations, max(1, int(UNINTERRUPTED / state.values.size**3)))
+
+    def _counted(self, at: Progress) -> Progress:
+        """Iterations, counted. Raises NotConverged and OutsideSurface where they failed."""
         self.count.newton += at.linearisations
         self.count.linear += at.evaluations
         if at.event == OUTSIDE:
@@ -120,11 +139,11 @@ class LatticeNewton:
             raise NotConverged(f"{FAILURES[at.event]} (last step {at.size:.1e})")
         return at
 
-    def _without(self, state: LatticeState, leaves: Mask) -> LatticeState:
-        """The state without strips (S,) that leave. Raises NotConverged if none remains."""
+    def _without(self, state: LatticeState, leaves: Mask, counts: bool) -> LatticeState:
+        """The state without strips (S,) that leave, which may count. Raises NotConverged if none remains."""
         if leaves.all():
             raise NotConverged("no strip remains loaded")
-        for strip in state.strips[leaves].tolist():
+        for strip in state.strips[leaves].tolist() if counts else ():
             self._left[strip] = self._left.get(strip, 0) + 1
         log.debug("strips %s leave", state.strips[leaves])
         return state.at(~leaves)
@@ -151,9 +170,12 @@ class LatticeNewton:
         """Strips that have left too often."""
         return {strip for strip, times in self._left.items() if times >= EXCHANGES}
 
-    def _entered(self, state: LatticeState) -> LatticeState | None:
+    def _entered(self, state: LatticeState, at: Advance) -> LatticeState | None:
         """The state with strips that enter; None without any."""
-        new = entering(self.problem, state, self._barred)
+        if at.complete:
+            new = entered(self.problem, state, overlaps(self.problem, at.rest))
+        else:
+            new = entering(self.problem, state, self._barred)
         if new is None:
             return None
         log.debug("strips %s enter", new.strips)
