@@ -14,6 +14,8 @@ from wheelrail.vehicle.multibody.coordinates import ROLL, X, Z
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.track.irregularity import Irregularities
 
+STORED = 8  # times of a step at which the motion is kept
+
 
 def rail_following(dynamics: VehicleDynamics) -> Follow | None:
     """Height and roll by which the wheelsets follow the irregular rails; None on smooth rails.
@@ -72,7 +74,21 @@ class RailFollowing:
         free = np.flatnonzero(np.array(indices) >= 0)
         return np.array(indices)[free], free
 
+    @cached_property
+    def _latest(self) -> dict[float, Array]:
+        """Motions at the latest times: stages and rows of a step ask for the same ones several times."""
+        return {}
+
     def __call__(self, time: float) -> Array:
+        if time not in self._latest:
+            if len(self._latest) == STORED:
+                del self._latest[next(iter(self._latest))]
+            self._latest[time] = self._at(time)
+            self._latest[time].setflags(write=False)
+        return self._latest[time]
+
+    def _at(self, time: float) -> Array:
+        """Motion (3, n) at a time s."""
         d, profile = self.dynamics, self.dynamics.speed_profile
         distance, reference_speed, acceleration, _ = profile(time)
         _, _, jerk = profile.speeds(time)
