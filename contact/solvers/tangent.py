@@ -17,7 +17,7 @@ import scipy.linalg as la
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import MIRROR, RigidMotion
-from wheelrail.contact.kinematics.sensitivity import ROTATIONS, TRANSLATIONS, displacement_derivative, rigid_slip, skew
+from wheelrail.contact.kinematics.sensitivity import displacement_derivative, rigid_slip, skew
 from wheelrail.contact.laws.linearised_friction import LinearisedFriction
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.solvers.options import IterationCount
@@ -120,10 +120,11 @@ class TangentProblem:
 
 def co_moving_load(load: Array, origin: Array) -> Array:
     """Derivative (6, 6) of a force and its moment (6,) that move and rotate with the wheel's frame."""
-    force = load[:3]
-    rotated = ROTATIONS @ force
-    moment = TRANSLATIONS @ skew(force) + rotated @ skew(origin).T + ROTATIONS @ (load[3:] - skew(origin) @ force)
-    return np.asarray(np.hstack([rotated, moment]).T)
+    force, arm = skew(load[:3]), skew(origin)
+    change = np.zeros((6, 6))
+    change[:3, 3:] = change[3:, :3] = -force
+    change[3:, 3:] = -arm @ force - skew(load[3:] - arm @ load[:3])
+    return change
 
 
 def solve(matrix: Array, right: Array) -> Array:
