@@ -10,7 +10,6 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-import scipy.linalg as la
 from numba.extending import get_cython_function_address
 from numpy.typing import NDArray
 
@@ -72,26 +71,13 @@ class Factors(NamedTuple):
     def solve_transposed(self, jacobian: Array, right: Array) -> Array:
         """Solution (n, k) in double precision of the transposed equations for right-hand sides (n, k), with the
         Jacobian (n, n) of these factors, which are not corrected.
-
-        Iterative refinement: N. Higham, Accuracy and Stability of Numerical Algorithms, 2002, chapter 12.
         """
+        converged, solution = refined(self, lapack(), jacobian, np.ascontiguousarray(right.T))
+        if converged:
+            return solution.T
         rows, columns = self.rows[:, None], self.columns[:, None]
-        solution, before = self._transposed(columns * right), 1.0
-        for _ in range(REFINEMENTS):
-            change = self._transposed(columns * (right - jacobian.T @ (rows * solution)))
-            solution += change
-            largest, size = (np.abs(part).max(axis=0) for part in (solution, change))
-            after = float(np.max(np.divide(size, largest, out=size, where=largest > 0)))
-            if after * after <= REFINED * before:  # what is left is as much smaller as this change was
-                return np.asarray(rows * solution)
-            before = after
         scaled = rows * jacobian * self.columns  # pivots of unscaled equations lose several digits
         return np.asarray(rows * np.linalg.solve(scaled.T, columns * right))
-
-    def _transposed(self, right: Array) -> Array:
-        """Solution (n, k) in single precision of the scaled transposed equations."""
-        solution, _ = la.lapack.sgetrs(self.lu.T, self.pivots - 1, right.astype(np.float32), overwrite_b=1)
-        return np.asarray(solution, dtype=np.float64)
 
 
 class Lapack(NamedTuple):
@@ -152,6 +138,40 @@ def factorised(at: Linearisation, solver: Lapack) -> tuple[bool, Factors]:
     spread, gather = np.zeros((n, 0), dtype=np.float32), np.zeros((0, n), dtype=np.float32)
     factors = Factors(lu, pivots, rows, columns, slips, at.slopes, at.slopes, spread, gather)
     return sizes[3] == 0, factors
+
+
+@compiled
+def refined(factors: Factors, solver: Lapack, jacobian: Array, right: Array) -> tuple[bool, Array]:
+    """Whether the refinement converges, and the solutions (k, n) of the transposed equations for right-hand sides
+    (k, n), see `Factors.solve_transposed`.
+
+    Iterative refinement: N. Higham, Accuracy and Stability of Numerical Algorithms, 2002, chapter 12.
+    """
+    (k, n), rows, columns = right.shape, factors.rows, factors.columns
+    solution, rest, before = np.zeros((k, n)), right, 1.0
+    change, sizes = np.empty((k, n), dtype=np.float32), np.array([n, k, n, n, 0], dtype=np.int32)
+    of_transpose = np.array([78], dtype=np.uint8)  # whose factors these are, as LAPACK sees them
+    for step in range(REFINEMENTS + 1):
+        for i in range(k):
+            for c in range(n):
+                change[i, c] = columns[c] * rest[i, c]
+        _solve(solver.sgetrs, factors.lu, factors.pivots, change, sizes, of_transpose)
+        after = 0.0
+        for i in range(k):
+            largest, size = 0.0, 0.0
+            for c in range(n):
+                if not np.isfinite(change[i, c]):
+                    return False, solution
+                solution[i, c] += rows[c] * change[i, c]
+                largest = max(largest, abs(solution[i, c] / rows[c]))
+                size = max(size, abs(change[i, c]))
+            if largest > 0.0:
+                after = max(after, size / largest)
+        if step > 0 and after * after <= REFINED * before:  # what is left is as much smaller as this change was
+            return True, solution
+        before = after
+        rest = right - np.dot(solution, jacobian)
+    return False, solution
 
 
 @compiled
