@@ -149,9 +149,7 @@ class BodyCorrection:
 
     def share_slopes(self, lines: slice, middle: Array, width: Array) -> Array:
         """Derivatives (S, lines) 1/m of `shares` by the middles."""
-        arc = self.body.arc[lines]
-        low, high = (hats(arc, middle + side * width) for side in (-0.5, 0.5))
-        return np.asarray((high - low) / width[:, None])
+        return share_slopes(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))
 
 
 def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> tuple[Array, Array]:
@@ -194,13 +192,22 @@ def far_in_strip_axes(far: Array, row: Array, column: Array) -> Array:
     )
 
 
+@compiled
 def hats(arc: Array, s: Array) -> Array:
     """Values (S, n) at s (S,) m of the functions linear between lines (n,) m, 1 at one and 0 at the others."""
-    right = np.clip(np.searchsorted(arc, s), 1, len(arc) - 1)
-    share = np.clip((s - arc[right - 1]) / (arc[right] - arc[right - 1]), 0.0, 1.0)
-    values, strips = np.zeros((len(s), len(arc))), np.arange(len(s))
-    values[strips, right - 1], values[strips, right] = 1.0 - share, share
+    values = np.zeros((len(s), len(arc)))
+    for i in range(len(s)):
+        right = min(max(np.searchsorted(arc, s[i]), 1), len(arc) - 1)
+        share = min(max((s[i] - arc[right - 1]) / (arc[right] - arc[right - 1]), 0.0), 1.0)
+        values[i, right - 1], values[i, right] = 1.0 - share, share
     return values
+
+
+@compiled
+def share_slopes(arc: Array, middle: Array, width: Array) -> Array:
+    """Derivatives (S, n) 1/m of `strip_shares` by the middles."""
+    low, high = hats(arc, middle - 0.5 * width), hats(arc, middle + 0.5 * width)
+    return (high - low) / width.reshape(-1, 1)
 
 
 @compiled
@@ -277,16 +284,3 @@ def pair_row(means: PairMeans, i: int, j: int, cells: int) -> int:
         add_pair_mean(means.lines, means.first, means.share[i], means.share[j], values[known:cells], known)
         means.known[row] = cells
     return row
-
-
-@compiled
-def pair_mean_slopes(lines: Array, first: int, share: Array, change: Array, cells: int) -> Array:
-    """Derivatives (C (C + 1) / 2, cells, DEGREE + 1, COMPONENTS) of the means, where the weights (C, n) change."""
-    C = len(share)
-    slopes = np.zeros((C * (C + 1) // 2, cells, lines.shape[3], lines.shape[4]))
-    for j in range(C):
-        for i in range(j + 1):
-            to = slopes[j * (j + 1) // 2 + i]
-            add_pair_mean(lines, first, change[i], share[j], to)
-            add_pair_mean(lines, first, share[i], change[j], to)
-    return slopes

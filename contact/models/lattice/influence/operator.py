@@ -116,7 +116,7 @@ def _displaced(sums: Array, turn: float) -> tuple[float, float, float]:
 
 
 @borrowing
-def _antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Array, V: Array) -> None:
+def add_antiderivative(G: Array, jumps: Array, turn: float, sign: float, sums: Array, V: Array) -> None:
     """Add to V (R, 3) of a strip the effect of jumps (M + 1, 3) of the force per length on another one.
 
     Parameters:
@@ -153,9 +153,9 @@ def _store_antiderivatives(tables: PairTables, grid: StripGrid, jumps: Array, G:
         for j in range(i, S):
             if not look_up(tables, grid.strip[i], grid.strip[j], grid.x[i], grid.x[j], G, None):
                 return False
-            _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
+            add_antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
             if i != j:
-                _antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
+                add_antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
     return True
 
 
@@ -256,7 +256,7 @@ def _add_ends(
             for k in range(3):
                 work.jumps[c, k] = moved * jumps[c, k]
         work.end[:] = 0.0
-        _antiderivative(H, work.jumps, turn, turn, work.sums, work.end)
+        add_antiderivative(H, work.jumps, turn, turn, work.sums, work.end)
         column = at + modes + end
         for k in range(moments):
             total = 0.0
@@ -350,13 +350,13 @@ def _store_operator(
             other = slice(j * block, (j + 1) * block)
             _add_loads(G, grid.width[j], grid.length[i], basis, 1.0, rolls, work, A[own, other])
             _add_ends(H, jumps[j], grid.stretch[j], grid.length[i], basis, 1.0, rolls, work, A[own, other])
-            _antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
-            _antiderivative(H, jumps[j], 1.0, 1.0, sums, slopes[i])
+            add_antiderivative(G, jumps[j], 1.0, 1.0, sums, V[i])
+            add_antiderivative(H, jumps[j], 1.0, 1.0, sums, slopes[i])
             if i != j:
                 _add_loads(G, grid.width[i], grid.length[j], basis, -1.0, rolls, work, A[other, own])
                 _add_ends(H, jumps[i], grid.stretch[i], grid.length[j], basis, -1.0, rolls, work, A[other, own])
-                _antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
-                _antiderivative(H, jumps[i], -1.0, -1.0, sums, slopes[j])
+                add_antiderivative(G, jumps[i], -1.0, 1.0, sums, V[j])
+                add_antiderivative(H, jumps[i], -1.0, -1.0, sums, slopes[j])
     for i in range(S):
         own = slice(i * block, (i + 1) * block)
         _own_ends(V[i], slopes[i], grid, i, basis, rolls, A[own, own])
@@ -368,12 +368,12 @@ def slips_and_moments(V: Array, grid: StripGrid, basis: StripBasis) -> tuple[Arr
     """Elastic slips (S, 2, M) and moments (S, MOMENTS) m of the normal displacement, from V (S, M + 3, 3)."""
     S, M = len(V), len(basis.marks) - 1
     slips, moments = np.zeros((S, 2, M)), np.zeros((S, len(basis.moment_edges)))
-    _store_slips(V, grid, basis, slips, moments)
+    store_slips(V, grid, basis, slips, moments)
     return slips, moments
 
 
 @borrowing
-def _store_slips(V: Array, grid: StripGrid, basis: StripBasis, slips: Array, moments: Array) -> None:
+def store_slips(V: Array, grid: StripGrid, basis: StripBasis, slips: Array, moments: Array) -> None:
     """Fill `slips_and_moments`, which are zero."""
     S, M = len(V), len(basis.marks) - 1
     for i in range(S):

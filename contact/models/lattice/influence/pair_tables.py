@@ -19,7 +19,6 @@ where the radius differs by as much as u_t adds to u_r: u_n alone remains.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -35,7 +34,6 @@ from wheelrail.contact.models.lattice.influence.body_correction import (
     START,
     BodyCorrection,
     PairMeans,
-    pair_mean_slopes,
     pair_means,
     strip_shares,
 )
@@ -54,6 +52,7 @@ from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import compiled
 
 GROWTH = 1.5  # of the storage
+NO_LINES = np.zeros(0)
 
 
 class PairTables(NamedTuple):
@@ -168,6 +167,12 @@ class LatticeTables:
         """Whether the compliance depends on where the strips lie on the lower body."""
         return self._corrections[1] is not None and not isinstance(self.operators.surfaces, QuadricStrips)
 
+    @property
+    def lines(self) -> Array:
+        """Arc length (ns,) m of the lower body's lines; none where the compliance does not depend on places there."""
+        lower = self._corrections[1]
+        return lower.body.arc if lower is not None and self.moves else NO_LINES
+
     def of(self, strips: Nodes, at: PoseMeans) -> PairTables:
         """Tables of all pairs of some strips (C,) at a pose; later ones are not in them, see `holds`."""
         self.complete(strips)
@@ -223,18 +228,6 @@ class LatticeTables:
             return None
         middle = self.places_on(which, feet)[strips]
         return self._of_deviation(body, strips, self._means(body, strips, middle, body.grid.cells_up_to(reach)))
-
-    def slopes(self, strips: Nodes, feet: Array, motions: Array, reach: float) -> Iterator[PairTables]:
-        """Derivatives of the tables by motions (C, m) of the strips on the lower body; other parameters as for `of`."""
-        lower, width = self._corrections[1], self.width[strips]
-        assert lower is not None
-        lines, between = self._between(lower, strips, feet[strips])
-        share, by_place = (of(lines, feet[strips], width) for of in (lower.shares, lower.share_slopes))
-        cells = lower.grid.cells_up_to(reach)
-        for motion in motions.T:
-            values = pair_mean_slopes(between, lines.start, share, motion[:, None] * by_place, cells)
-            known = np.full(len(values), cells)
-            yield self._of_deviation(lower, strips, PairMeans(between, lines.start, share, values, known))
 
     def _of_deviation(self, body: BodyCorrection, strips: Nodes, smooth: PairMeans) -> PairTables:
         """Tables that contain nothing but the coefficients of a deviation."""

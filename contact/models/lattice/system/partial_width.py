@@ -104,6 +104,7 @@ def opening(load: float, onset: float, whole: float) -> tuple[float, float]:
     return rest * (1.0 - part), -0.5 * OPENING * rest / (abs(part) * whole)
 
 
+@compiled
 def opening_changes(load: Array, onset: Array, whole: Array) -> tuple[Array, Array]:
     """Derivatives (S,) m of `opening` by relative changes of onset and whole, for loads (S,) below the latter."""
     part = np.sqrt(load / whole)

@@ -37,12 +37,10 @@ from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.lattice.system.surface import (
     Motion,
     Penetration,
-    PenetrationChanges,
     SurfaceData,
     frames,
     motion_data,
     penetration,
-    penetration_changes,
 )
 from wheelrail.support.arrays import Array, Nodes
 
@@ -173,11 +171,6 @@ class LatticeProblem:
         """Undeformed penetration at points (n,)."""
         data = self.data
         return penetration(self.surface, data.origin, data.rotation, np.ascontiguousarray(s), np.ascontiguousarray(x))
-
-    def penetration_changes(self, s: Array, x: Array) -> PenetrationChanges:
-        """Derivatives of `penetration` and of the closest points by the pose."""
-        data = self.data
-        return penetration_changes(self.surface, data.origin, data.rotation, s, x)
 
     @property
     def reach(self) -> float:

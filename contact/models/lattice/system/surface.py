@@ -191,7 +191,7 @@ def _store_penetration(
 
 @compiled
 def penetration_changes(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array) -> PenetrationChanges:
-    """`PenetrationChanges` at points s, x (n,) m across and along."""
+    """`PenetrationChanges` at points s, x (n,) m across and along; fastest where neighbours share s."""
     n = len(s)
     result = PenetrationChanges(np.zeros((n, 6)), np.zeros((n, 6)))
     _store_changes(surface, origin, rotation, s, x, result)
@@ -210,10 +210,15 @@ def _store_changes(
             result.depth[i, 0] = 2 * ax * (x[i] - origin[0])
             result.depth[i, 1], result.depth[i, 2] = 2 * ay * (s[i] - origin[1]), -1.0
         return
+    z, t, sample, last = 0j, 0j, -1, np.inf
     for i in range(n):
-        z, t, _ = local(surface.wheel, s[i], piece(surface.wheel, s[i]))
+        if s[i] != last:
+            z, t, _ = local(surface.wheel, s[i], piece(surface.wheel, s[i]))
+            sample = sample if abs(s[i] - last) < NEXT else -1
+            last = s[i]
         point, _, normal = on_circle(z, t, surface.radius, origin, rotation, x[i])
-        at = project(surface.rail, point, normal, -1)
+        at = project(surface.rail, point, normal, sample)
+        sample = at.sample
         rx, ry, rz = point[0] - origin[0], point[1] - origin[1], point[2] - origin[2]
         result.depth[i, 1], result.depth[i, 2] = at.gradient.real, at.gradient.imag
         result.depth[i, 3], result.depth[i, 4], result.depth[i, 5] = _turned(at, origin)
@@ -284,38 +289,6 @@ def _crest(surface: SurfaceData, origin: Array, rotation: Array, s: float, x: fl
     return x
 
 
-@compiled
-def crest_changes(surface: SurfaceData, rotation: Array, feet: Array, feet_change: Array) -> Array:
-    """Derivative (n, 6) of the places of `crests` along x by the pose, from the closest points on the rail (n,) m there
-    and their derivative (n, 6).
-    """
-    n = len(feet)
-    change = np.zeros((n, 6))
-    if not surface.revolves:
-        change[:, 0] = surface.upper[0] / (surface.upper[0] + surface.lower[0])
-        return change
-    rail = surface.rail
-    for i in range(n):
-        _, t, k = local(rail, feet[i], piece(rail, feet[i]))
-        normal, bend = np.array([0.0, -t.imag, t.real]), np.array([0.0, -k.imag, k.real])
-        forward, up = 0.0, 0.0
-        for c in range(3):
-            forward += rotation[c, 0] * normal[c]
-            up += rotation[c, 2] * normal[c]
-        for j in range(6):
-            along, high = 0.0, 0.0
-            for c in range(3):
-                moved = bend[c] * feet_change[i, j]
-                if j >= 3:  # the normal in the axes of the wheel, which rotate by e_j: n x e_j
-                    unit = np.zeros(3)
-                    unit[j - 3] = 1.0
-                    moved += _cross(normal, unit, c)
-                along += rotation[c, 0] * moved
-                high += rotation[c, 2] * moved
-            change[i, j] = -surface.radius * (along * up - forward * high) / (forward * forward + up * up)
-    return change
-
-
 class SurfaceFrames(NamedTuple):
     """Points (n, 3) m of the upper body and its axes (n, 3, 3) there: longitudinal, lateral and outward.
 
@@ -361,6 +334,55 @@ def _store_frames(
         else:
             point[i, 0], point[i, 1] = x[i], s[i]
             axes[i, 0, 0], axes[i, 1, 1], axes[i, 2, 2], forward[i, 0] = 1.0, 1.0, -1.0, 1.0
+
+
+@compiled
+def touching_changes(surface: SurfaceData, motion: Motion, s: Array, x: Array, feet: Array) -> tuple[Array, Array]:
+    """Derivatives (n, 6) by the pose of the places of `crests` along x, and of the closest points on the lower body:
+    these move along x with the former, which depend on the normals at the latter.
+
+    Parameters:
+        surface, motion: of both bodies.
+        s, x: (n,) m, lines and places of the largest penetration on them.
+        feet: (n,) m, arc length of the closest points.
+    """
+    n = len(s)
+    crest, foot = np.zeros((n, 6)), penetration_changes(surface, motion.origin, motion.rotation, s, x).foot
+    if surface.revolves:
+        at = frames(surface, motion.origin, motion.rotation, s, x)
+        _store_touching(surface, motion.rotation, at, feet, crest, foot)
+    else:
+        crest[:, 0] = surface.upper[0] / (surface.upper[0] + surface.lower[0])
+    return crest, foot
+
+
+@borrowing
+def _store_touching(
+    surface: SurfaceData, rotation: Array, at: SurfaceFrames, feet: Array, crest: Array, foot: Array
+) -> None:
+    """Fill crest and complete foot, which has the changes of fixed points, of `touching_changes` of a wheel."""
+    rail = surface.rail
+    for i in range(len(feet)):
+        _, t, k = local(rail, feet[i], piece(rail, feet[i]))
+        forward = rotation[2, 0] * t.real - rotation[1, 0] * t.imag
+        up = rotation[2, 2] * t.real - rotation[1, 2] * t.imag
+        # x = -R arctan(forward / up)
+        by_forward = -surface.radius * up / (forward * forward + up * up)
+        by_up = surface.radius * forward / (forward * forward + up * up)
+        by_foot = by_forward * (rotation[2, 0] * k.real - rotation[1, 0] * k.imag)
+        by_foot += by_up * (rotation[2, 2] * k.real - rotation[1, 2] * k.imag)
+        by_crest = foot[i, 1] * at.forward[i, 1] + foot[i, 2] * at.forward[i, 2]
+        for j in range(6):
+            crest[i, j] = by_foot * foot[i, j]
+        a = by_forward * rotation[0, 0] + by_up * rotation[0, 2]
+        b = by_forward * rotation[1, 0] + by_up * rotation[1, 2]
+        c = by_forward * rotation[2, 0] + by_up * rotation[2, 2]
+        crest[i, 3] += b * t.real + c * t.imag  # the normal (0, -t.imag, t.real) rotates against the wheel's axes
+        crest[i, 4] -= a * t.real
+        crest[i, 5] -= a * t.imag
+        for j in range(6):
+            crest[i, j] /= 1.0 - by_foot * by_crest
+            foot[i, j] += by_crest * crest[i, j]
 
 
 @borrowing
