@@ -12,14 +12,28 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.derivatives import resultant_slopes
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.models.lattice.derivatives import CHANGES, resultant_slopes
+from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.pose_derivatives import residual_changes
-from wheelrail.contact.models.lattice.solver.factors import Factors
+from wheelrail.contact.models.lattice.solver.factors import (
+    SINGULAR,
+    Factors,
+    Lapack,
+    factorised,
+    lapack,
+    solve_transposed,
+)
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.models.lattice.system.equations import EquationData, linearised
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.system.surface import touching_changes
+from wheelrail.contact.models.lattice.system.surface import ContactLines, touching_changes
+from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.contact.solvers.tangent import co_moving_load
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.compiled import compiled
+
+Lattice = tuple[ContactLines, Array, Array, Array]  # `residual_changes`
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,24 +51,17 @@ class LatticeTangent:
     @cached_property
     def matrix(self) -> Array:
         """Derivative (6, 12) of force and moment about the rail's origin."""
-        problem, values = self.problem, self.solution.state.values
-        data = problem.of(self.solution.state.strips)
-        load, slopes = resultant_slopes(values, data)
-        total, self.solution.factors = self.of_sums(slopes)
+        problem, state = self.problem, self.solution.state
+        load, outcome = _of_resultants(state.values, problem.of(state.strips), self._lattice, lapack())
+        total, self.solution.factors = _checked(*outcome)
         if problem.surface.revolves:  # the strips move with the wheel
             total[:, :6] += co_moving_load(load, problem.pose.origin)
         return total
 
     def of_sums(self, weights: Array) -> tuple[Array, Factors]:
         """Derivatives (k, 12) by pose and motion of sums of the unknowns with weights (k, n), and the factors."""
-        problem, state = self.problem, self.solution.state
-        linearisation = problem.linearise(state)
-        factors = Factors.of(linearisation)
-        multipliers = factors.solve_transposed(linearisation.jacobian, weights.T)
-        lattice = problem.lines, (problem.middle, problem.width)
-        data = problem.of(state.strips)
-        by_pose = residual_changes(state.values, data, *lattice, linearisation.slopes, problem.tables.lines)
-        return np.asarray(-multipliers.T @ by_pose), factors
+        state, weights = self.solution.state, np.ascontiguousarray(weights)
+        return _checked(*_of_sums(state.values, self.problem.of(state.strips), self._lattice, lapack(), weights))
 
     def touching(self, own: Nodes) -> tuple[Array, Array]:
         """Derivatives (S, 6) by the pose of the places of largest penetration along x on strips (S,), and of the
@@ -63,3 +70,41 @@ class LatticeTangent:
         problem = self.problem
         places = problem.middle[own], problem.crest[0][own], problem.lines.foot[own]
         return touching_changes(problem.surface, problem.data, *places)
+
+    @property
+    def _lattice(self) -> Lattice:
+        problem = self.problem
+        return problem.lines, problem.middle, problem.width, problem.tables.lines
+
+
+def _checked(inside: bool, regular: bool, changes: Array, factors: Factors) -> tuple[Array, Factors]:
+    """Outcome of `_of_sums`. Raises OutsideSurface and NotConverged."""
+    if not inside:
+        raise OutsideSurface(TOO_LONG)
+    if not regular:
+        raise NotConverged(SINGULAR)
+    return changes, factors
+
+
+@compiled
+def _of_resultants(
+    values: Array, data: EquationData, lattice: Lattice, solver: Lapack
+) -> tuple[Array, tuple[bool, bool, Array, Factors]]:
+    """Force and moment (6,) about the origin, and `_of_sums` of these."""
+    load, slopes = resultant_slopes(values, data)
+    return load, _of_sums(values, data, lattice, solver, slopes)
+
+
+@compiled
+def _of_sums(
+    values: Array, data: EquationData, lattice: Lattice, solver: Lapack, weights: Array
+) -> tuple[bool, bool, Array, Factors]:
+    """Whether all distances lie in the tables and the Jacobian is regular, derivatives (k, CHANGES) of sums of the
+    unknowns (S, block) with weights (k, S block), and the factors.
+    """
+    at, changes = linearised(values, data), np.zeros((len(weights), CHANGES))
+    regular, factors = factorised(at, solver)
+    if at.evaluation.inside and regular:
+        multipliers = solve_transposed(factors, solver, at.jacobian, weights)
+        changes -= np.dot(multipliers, residual_changes(values, data, lattice, at.slopes))
+    return at.evaluation.inside, regular, changes, factors

@@ -26,7 +26,7 @@ from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS, str
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver import newton
-from wheelrail.contact.models.lattice.solver.factors import Factors, lapack
+from wheelrail.contact.models.lattice.solver.factors import factorised, lapack, solve_transposed
 from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS, iterate
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.solver.renewal import renewed
@@ -35,6 +35,7 @@ from wheelrail.contact.models.lattice.system.equations import (
     Linearisation,
     friction_rows,
     linearise,
+    linearised,
     rigid_slip,
 )
 from wheelrail.contact.models.lattice.system.state import LatticeState
@@ -122,7 +123,7 @@ def test_jacobian_of_all_unknowns(y: str, friction: float) -> None:
     scale = np.ones(found.values.shape) * 1e6
     scale[:, -2:] = 1e-6
     at = LatticeState(found.strips, found.values + scale * random.standard_normal(scale.shape))
-    linearisation = problem.linearise(at)
+    linearisation = linearised(at.values, problem.of(at.strips))
     jacobian = linearisation.jacobian
     direction = (scale * random.standard_normal(scale.shape)).ravel()
     step = 1e-3
@@ -434,11 +435,11 @@ def test_solutions_are_refined_to_double_precision(smallest: float) -> None:
     slips, slopes = np.zeros((strips, 2 * cells, n), dtype=np.float32), np.zeros((strips, cells, SLOPES))
     evaluation = NO_FACTORS.evaluation
     at = Linearisation(evaluation, np.eye(n), slips, slopes)
-    empty = Factors.of(at)
+    empty = factorised(at, lapack())[1]
     jacobian = scaled / (empty.rows[:, None] * empty.columns)
-    factors = Factors.of(at._replace(jacobian=jacobian))
+    factors = factorised(at._replace(jacobian=jacobian), lapack())[1]
     expected = empty.rows[:, None] * random.standard_normal((n, 4))
-    found = factors.solve_transposed(jacobian, jacobian.T @ expected)
+    found = solve_transposed(factors, lapack(), jacobian, (jacobian.T @ expected).T.copy()).T
     size = np.abs(expected / empty.rows[:, None]).max()
     assert np.abs((found - expected) / empty.rows[:, None]).max() < max(1e-14 / smallest, 1e-6) * size
 
@@ -450,8 +451,8 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
     assert isinstance(contact.model, LatticeContact)
     place = rolling(-5e-3, -0.34e-3, creepage=5e-4)
     at, problem = start(contact(place, "left")), contact.model.problem(*contact.mounting.left_pair(place))
-    linearisation = problem.linearise(at)
-    factors = Factors.of(linearisation)
+    linearisation = linearised(at.values, problem.of(at.strips))
+    factors = factorised(linearisation, lapack())[1]
     assert not renewed(factors, linearisation.slopes, problem.rho, lapack())[0]
     by_pressure = np.abs(linearisation.slopes[..., 10:12]).max(axis=-1)
     sticks, slides = by_pressure < 1e-6, by_pressure > 0.5 * by_pressure.max()

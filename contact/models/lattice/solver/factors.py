@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from wheelrail.contact.models.lattice.influence.basis import MOMENTS
 from wheelrail.contact.models.lattice.system.equations import SLOPES, Linearisation
-from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.support.arrays import Array, Single
 from wheelrail.support.compiled import borrowing, call, compiled
 
@@ -51,14 +50,6 @@ class Factors(NamedTuple):
     spread: Single
     gather: Single
 
-    @classmethod
-    def of(cls, linearisation: Linearisation) -> Factors:
-        """Factors of a Jacobian. Raises NotConverged if it is singular."""
-        regular, factors = factorised(linearisation, lapack())
-        if not regular:
-            raise NotConverged(SINGULAR)
-        return factors
-
     @property
     def single(self) -> bool:
         """Whether they are in single precision, also where they are read from a file."""
@@ -67,17 +58,6 @@ class Factors(NamedTuple):
     def step(self, residual: Array) -> Array:
         """Step (S, block) that cancels the linearised residual (S, block)."""
         return newton_step(self, lapack(), residual)
-
-    def solve_transposed(self, jacobian: Array, right: Array) -> Array:
-        """Solution (n, k) in double precision of the transposed equations for right-hand sides (n, k), with the
-        Jacobian (n, n) of these factors, which are not corrected.
-        """
-        converged, solution = refined(self, lapack(), jacobian, np.ascontiguousarray(right.T))
-        if converged:
-            return solution.T
-        rows, columns = self.rows[:, None], self.columns[:, None]
-        scaled = rows * jacobian * self.columns  # pivots of unscaled equations lose several digits
-        return np.asarray(rows * np.linalg.solve(scaled.T, columns * right))
 
 
 class Lapack(NamedTuple):
@@ -141,14 +121,14 @@ def factorised(at: Linearisation, solver: Lapack) -> tuple[bool, Factors]:
 
 
 @compiled
-def refined(factors: Factors, solver: Lapack, jacobian: Array, right: Array) -> tuple[bool, Array]:
-    """Whether the refinement converges, and the solutions (k, n) of the transposed equations for right-hand sides
-    (k, n), see `Factors.solve_transposed`.
+def solve_transposed(factors: Factors, solver: Lapack, jacobian: Array, right: Array) -> Array:
+    """Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the Jacobian
+    (n, n) of factors that are not corrected.
 
     Iterative refinement: N. Higham, Accuracy and Stability of Numerical Algorithms, 2002, chapter 12.
     """
     (k, n), rows, columns = right.shape, factors.rows, factors.columns
-    solution, rest, before = np.zeros((k, n)), right, 1.0
+    solution, rest, before, finite = np.zeros((k, n)), right, 1.0, True
     change, sizes = np.empty((k, n), dtype=np.float32), np.array([n, k, n, n, 0], dtype=np.int32)
     of_transpose = np.array([78], dtype=np.uint8)  # whose factors these are, as LAPACK sees them
     for step in range(REFINEMENTS + 1):
@@ -160,18 +140,18 @@ def refined(factors: Factors, solver: Lapack, jacobian: Array, right: Array) -> 
         for i in range(k):
             largest, size = 0.0, 0.0
             for c in range(n):
-                if not np.isfinite(change[i, c]):
-                    return False, solution
+                finite = finite and np.isfinite(change[i, c])
                 solution[i, c] += rows[c] * change[i, c]
                 largest = max(largest, abs(solution[i, c] / rows[c]))
                 size = max(size, abs(change[i, c]))
             if largest > 0.0:
                 after = max(after, size / largest)
-        if step > 0 and after * after <= REFINED * before:  # what is left is as much smaller as this change was
-            return True, solution
+        if finite and step > 0 and after * after <= REFINED * before:  # what is left is as much smaller as this change
+            return solution
         before = after
         rest = right - np.dot(solution, jacobian)
-    return False, solution
+    scaled = rows.reshape(-1, 1) * jacobian * columns  # pivots of unscaled equations lose several digits
+    return rows * np.linalg.solve(scaled.T, (columns * right).T).T
 
 
 @compiled

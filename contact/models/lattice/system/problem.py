@@ -26,10 +26,8 @@ from wheelrail.contact.models.lattice.system.contact_lines import MARGIN, Contac
 from wheelrail.contact.models.lattice.system.equations import (
     EquationData,
     Evaluation,
-    Linearisation,
     StripPlaces,
     evaluate,
-    linearised,
 )
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.partial_width import opening
@@ -244,13 +242,6 @@ class LatticeProblem:
         if not evaluation.inside:
             raise OutsideSurface(TOO_LONG)
         return evaluation
-
-    def linearise(self, state: LatticeState) -> Linearisation:
-        """Linearisation at a state. Raises OutsideSurface."""
-        linearisation = linearised(state.values, self.of(state.strips))
-        if not linearisation.evaluation.inside:
-            raise OutsideSurface(TOO_LONG)
-        return linearisation
 
     def layout(self, state: LatticeState) -> StripLayout:
         """Strips and cells of a state."""

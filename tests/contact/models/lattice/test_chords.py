@@ -15,9 +15,9 @@ from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.solver.chords import CONTRACTION, chords
-from wheelrail.contact.models.lattice.solver.factors import Factors, lapack
+from wheelrail.contact.models.lattice.solver.factors import factorised, lapack
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.equations import evaluate
+from wheelrail.contact.models.lattice.system.equations import evaluate, linearised
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import inner_product, moved, relative_size
 from wheelrail.support.arrays import Array
@@ -40,7 +40,7 @@ def solution(model: LatticeContact, depth: float) -> tuple[LatticeProblem, Latti
     problem = model.problem(hertz_pose(depth), ROLLING)
     found = model.solve(problem).warm_start
     assert isinstance(found, LatticeSolution)
-    found.factors = Factors.of(problem.linearise(found.state))
+    found.factors = factorised(linearised(found.state.values, problem.of(found.state.strips)), lapack())[1]
     return problem, found
 
 
