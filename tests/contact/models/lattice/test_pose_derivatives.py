@@ -1,0 +1,74 @@
+"""Derivative of the residual by pose and motion at fixed unknowns, against its differences."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+import pytest
+from test_lattice import ellipse, exact, flowing, rolling, wheelset
+from test_tangent import nudged
+
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.discretisation import Bodies
+from wheelrail.contact.models.lattice.derivatives import CHANGES
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.lattice.pose_derivatives import residual_changes
+from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.models.lattice.system.equations import SLOPES, Evaluation
+from wheelrail.support.arrays import Array
+
+STEPS = np.repeat([3e-7, 1e-6, 1e-5, 1e-5], 3)  # m, rad, m/s, rad/s
+ERROR = 2e-4  # of the differences, of the largest one with the same unit
+
+
+def full(evaluation: Evaluation, cells: int) -> Array:
+    """Slips and moments (S, block)."""
+    slip = evaluation.slip.reshape(len(evaluation.slip), -1)[:, : 2 * cells]
+    return np.hstack([slip, evaluation.residual[:, 2 * cells :]])
+
+
+def check(
+    model: LatticeContact, pose: Pose, motion: RigidMotion, columns: tuple[int, ...] = tuple(range(CHANGES))
+) -> None:
+    """With unit slopes the residual of friction is the slip, which has no corners."""
+    problem = model.problem(pose, motion)
+    solution = model.solve(problem).warm_start
+    assert isinstance(solution, LatticeSolution)
+    state, M = solution.state, problem.cells if problem.rolls else 0
+    slopes = np.zeros((len(state.strips), M, SLOPES))
+    slopes[..., 4] = slopes[..., 7] = 1.0
+    lattice = problem.lines, problem.middle, problem.width, problem.tables.lines
+    found = residual_changes(state.values, problem.of(state.strips), lattice, slopes)
+    found = found.reshape(*state.values.shape, CHANGES)
+    for unit in np.reshape(np.arange(CHANGES), (4, 3)):
+        if not set(unit) <= set(columns):
+            continue
+        changes = []
+        for j in unit:
+            change = STEPS[j] * np.eye(CHANGES)[j]
+            ahead, behind = (model.problem(*nudged(pose, motion, sign * change)).evaluate(state) for sign in (1, -1))
+            changes.append((full(ahead, M) - full(behind, M)) / (2 * STEPS[j]))
+        expected = np.stack(changes, axis=-1)
+        for rows in (slice(0, 2 * M), slice(2 * M, None)):
+            scale = np.abs(expected[:, rows]).max(initial=1e-9)
+            np.testing.assert_allclose(found[:, rows][..., unit], expected[:, rows], rtol=0, atol=ERROR * scale)
+
+
+@pytest.mark.parametrize("bodies", ["half-space", "waveguide"])
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize(("y", "z"), [(-2e-3, -2.7e-4), (6.43e-3, 6.02e-4)])
+def test_wheel_on_rail(y: float, z: float, friction: float, bodies: Bodies) -> None:
+    """On the tread and on the flange; the places of the strips on the lower body count only of a finite one."""
+    contact = wheelset(friction, bodies)
+    assert isinstance(contact.model, LatticeContact)
+    check(contact.model, *contact.mounting.left_pair(rolling(y, z, yaw=2e-3, creepage=5e-4)))
+
+
+@pytest.mark.parametrize("tangential", ["rolling", "shift"])
+def test_quadrics(tangential: Literal["rolling", "shift"]) -> None:
+    """The pose of an upper body whose surface is a quadric does not rotate."""
+    model = replace(ellipse(0.3), tangential=tangential)
+    check(model, hertz_pose(exact().approach), flowing(4e-4, 2e-4, 0.1), (0, 1, 2, *range(6, CHANGES)))
