@@ -1,9 +1,8 @@
-"""Compiled: derivatives of slips and moments of the gap where strips move on the lower body, of which their compliance
-depends.
+"""Compiled: derivatives of slips and moments of the gap where strips move on the lower body.
 
-Each strip's own motion counts. For a pair of strips this takes two polynomials at every distance of their boundaries,
-as many as two principal motions of all strips, and no decomposition into these; multiplied by the six multipliers of
-force and moment first, it would take six.
+Each strip moves by itself. At every distance between boundaries of two strips this takes two polynomials, one for each
+that moves. Few principal motions of all strips take one each, two as a rule, and leave out the others; the multipliers
+of force and moment, applied first, six.
 """
 
 from __future__ import annotations
@@ -55,8 +54,8 @@ class _WorkSpace(NamedTuple):
 
 @compiled
 def foot_derivatives(values: Array, data: EquationData, arc: Array, feet: Array, change: Array) -> tuple[Array, Array]:
-    """Derivatives (6, S, 2, M) of slips and (6, S, MOMENTS) m of moments by the pose, by what it moves on the lower
-    body.
+    """Derivatives (6, S, 2, M) of slips and (6, S, MOMENTS) m of moments by the pose, by which the strips move on the
+    lower body.
 
     Parameters:
         values: (S, block), of the state.
