@@ -10,11 +10,12 @@ import numpy as np
 from wheelrail.contact.models.lattice.derivatives import CHANGES
 from wheelrail.contact.models.lattice.foot_derivatives import foot_derivatives
 from wheelrail.contact.models.lattice.influence.basis import MODES
+from wheelrail.contact.models.lattice.influence.pair_tables import Lattice
+from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
 from wheelrail.contact.models.lattice.system.equations import EquationData, cell_frames
 from wheelrail.contact.models.lattice.system.partial_width import opening_changes, partial_width_changes
 from wheelrail.contact.models.lattice.system.surface import (
     GAUSS,
-    ContactLines,
     Motion,
     SurfaceData,
     frames,
@@ -28,18 +29,17 @@ from wheelrail.support.compiled import compiled
 
 @compiled
 def residual_changes(
-    values: Array, data: EquationData, lattice: tuple[ContactLines, Array, Array, Array], slopes: Array
+    values: Array, data: EquationData, lines: ContactLines, lattice: Lattice, arc: Array, slopes: Array
 ) -> Array:
     """Derivative (S block, CHANGES) of the residual by pose and motion at fixed unknowns.
 
     Parameters:
         values: (S, block), of the state.
         data: of the equations.
-        lattice: where all strips touch, their middles and widths (K,) m, and lines of the lower body (ns,) m, see
-            `foot_derivatives`.
+        lines, lattice: of all strips.
+        arc: (ns,) m, lines of the lower body, see `foot_derivatives`.
         slopes: (S, M, SLOPES), of the friction residual.
     """
-    lines, middles, widths, arc = lattice
     surface, motion, own, block = data.surface, data.motion, data.places.strip, values.shape[1]
     crest, foot = touching_changes(surface, motion, data.places.middle, lines.x[own], lines.foot[own])
     slips, moments = foot_derivatives(values, data, arc, lines.foot[own], foot)
@@ -50,12 +50,12 @@ def residual_changes(
             for k in range(6):
                 total[i, first + m, k] = moments[k, i, m]
     _add_penetration(values, data, total)
-    _add_openings(values, data, lines, middles, widths, total)
+    _add_openings(values, data, lines, lattice, total)
     if motion.speed > 0.0:
         speed = np.zeros(CHANGES)
         if data.basis.slip_power != 1:  # of a displacement the speed is 1 m/s
             own = np.flatnonzero(lines.depth > 0.0)
-            s, width, x = middles[own], widths[own], lines.x[own]
+            s, width, x = lattice.middle[own], lattice.width[own], lines.x[own]
             at, change = frames(surface, motion.origin, motion.rotation, s, x), _deepening(surface, motion, s, width, x)
             store_speed_changes(surface.revolves, motion, at, change, lines.depth[own], width, np.empty(CHANGES), speed)
         at, work = cell_frames(values, data.places, data.basis, surface, motion), np.empty((2, CHANGES))
@@ -93,9 +93,7 @@ def _add_penetration(values: Array, data: EquationData, total: Array) -> None:
 
 
 @compiled
-def _add_openings(
-    values: Array, data: EquationData, lines: ContactLines, middles: Array, widths: Array, total: Array
-) -> None:
+def _add_openings(values: Array, data: EquationData, lines: ContactLines, lattice: Lattice, total: Array) -> None:
     """Add the derivative of the gaps of strips that touch on a part of their width."""
     places, first = data.places, values.shape[1] - len(data.basis.penetration)
     load = 0.5 * (values[:, -1] - values[:, -2]) * values[:, -2 - MODES]
@@ -106,9 +104,9 @@ def _add_openings(
     near = np.empty(3 * len(part), dtype=own.dtype)
     for n in range(len(part)):
         near[3 * n : 3 * n + 3] = own[n] - 1, own[n], own[n] + 1
-    middle = middles[near]
-    change = _deepening(data.surface, data.motion, middle, widths[near], lines.x[near]).reshape(-1, 3, 6)
-    depth, width = lines.depth[near].reshape(-1, 3), widths[own]
+    middle = lattice.middle[near]
+    change = _deepening(data.surface, data.motion, middle, lattice.width[near], lines.x[near]).reshape(-1, 3, 6)
+    depth, width = lines.depth[near].reshape(-1, 3), lattice.width[own]
     onset, whole = partial_width_changes(depth, lines.curvature[own], middle.reshape(-1, 3), width, change)
     by_onset, by_whole = opening_changes(load[part], places.onset[part], places.whole[part])
     for n in range(len(part)):

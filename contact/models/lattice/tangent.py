@@ -14,6 +14,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.derivatives import CHANGES, resultant_slopes
+from wheelrail.contact.models.lattice.influence.pair_tables import Lattice
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.pose_derivatives import residual_changes
 from wheelrail.contact.models.lattice.solver.factors import (
@@ -25,15 +26,16 @@ from wheelrail.contact.models.lattice.solver.factors import (
     solve_transposed,
 )
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
 from wheelrail.contact.models.lattice.system.equations import EquationData, linearised
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.system.surface import ContactLines, touching_changes
+from wheelrail.contact.models.lattice.system.surface import touching_changes
 from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.contact.solvers.tangent import co_moving_load
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
 
-Lattice = tuple[ContactLines, Array, Array, Array]  # `residual_changes`
+Places = tuple[ContactLines, Lattice, Array]  # `residual_changes`
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +54,7 @@ class LatticeTangent:
     def matrix(self) -> Array:
         """Derivative (6, 12) of force and moment about the rail's origin."""
         problem, state = self.problem, self.solution.state
-        load, outcome = _of_resultants(state.values, problem.of(state.strips), self._lattice, lapack())
+        load, outcome = _of_resultants(state.values, problem.of(state.strips), self._places, lapack())
         total, self.solution.factors = _checked(*outcome)
         if problem.surface.revolves:  # the strips move with the wheel
             total[:, :6] += co_moving_load(load, problem.pose.origin)
@@ -61,7 +63,7 @@ class LatticeTangent:
     def of_sums(self, weights: Array) -> tuple[Array, Factors]:
         """Derivatives (k, 12) by pose and motion of sums of the unknowns with weights (k, n), and the factors."""
         state, weights = self.solution.state, np.ascontiguousarray(weights)
-        return _checked(*_of_sums(state.values, self.problem.of(state.strips), self._lattice, lapack(), weights))
+        return _checked(*_of_sums(state.values, self.problem.of(state.strips), self._places, lapack(), weights))
 
     def touching(self, own: Nodes) -> tuple[Array, Array]:
         """Derivatives (S, 6) by the pose of the places of largest penetration along x on strips (S,), and of the
@@ -72,9 +74,8 @@ class LatticeTangent:
         return touching_changes(problem.surface, problem.data, *places)
 
     @property
-    def _lattice(self) -> Lattice:
-        problem = self.problem
-        return problem.lines, problem.middle, problem.width, problem.tables.lines
+    def _places(self) -> Places:
+        return self.problem.lines, self.problem.tables.lattice, self.problem.tables.lines
 
 
 def _checked(inside: bool, regular: bool, changes: Array, factors: Factors) -> tuple[Array, Factors]:
@@ -88,16 +89,16 @@ def _checked(inside: bool, regular: bool, changes: Array, factors: Factors) -> t
 
 @compiled
 def _of_resultants(
-    values: Array, data: EquationData, lattice: Lattice, solver: Lapack
+    values: Array, data: EquationData, places: Places, solver: Lapack
 ) -> tuple[Array, tuple[bool, bool, Array, Factors]]:
     """Force and moment (6,) about the origin, and `_of_sums` of these."""
     load, slopes = resultant_slopes(values, data)
-    return load, _of_sums(values, data, lattice, solver, slopes)
+    return load, _of_sums(values, data, places, solver, slopes)
 
 
 @compiled
 def _of_sums(
-    values: Array, data: EquationData, lattice: Lattice, solver: Lapack, weights: Array
+    values: Array, data: EquationData, places: Places, solver: Lapack, weights: Array
 ) -> tuple[bool, bool, Array, Factors]:
     """Whether all distances lie in the tables and the Jacobian is regular, derivatives (k, CHANGES) of sums of the
     unknowns (S, block) with weights (k, S block), and the factors.
@@ -106,5 +107,5 @@ def _of_sums(
     regular, factors = factorised(at, solver)
     if at.evaluation.inside and regular:
         multipliers = solve_transposed(factors, solver, at.jacobian, weights)
-        changes -= np.dot(multipliers, residual_changes(values, data, lattice, at.slopes))
+        changes -= np.dot(multipliers, residual_changes(values, data, *places, at.slopes))
     return at.evaluation.inside, regular, changes, factors

@@ -40,8 +40,8 @@ def check(
     state, M = solution.state, problem.cells if problem.rolls else 0
     slopes = np.zeros((len(state.strips), M, SLOPES))
     slopes[..., 4] = slopes[..., 7] = 1.0
-    lattice = problem.lines, problem.middle, problem.width, problem.tables.lines
-    found = residual_changes(state.values, problem.of(state.strips), lattice, slopes)
+    places = problem.lines, problem.tables.lattice, problem.tables.lines
+    found = residual_changes(state.values, problem.of(state.strips), *places, slopes)
     found = found.reshape(*state.values.shape, CHANGES)
     for unit in np.reshape(np.arange(CHANGES), (4, 3)):
         if not set(unit) <= set(columns):
