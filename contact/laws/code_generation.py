@@ -56,6 +56,19 @@ def mean_residual_at(q, s, p, rho, counts, numbers, parameters, out):
     )
 
 
+def bounds(s, p, speed, parameters, out):
+{parameters}
+    for i in range(len(p)):
+        s0, s1, p_ = s[0, i], s[1, i], p[i]
+{bound}
+        out[i] = {bound_out}
+
+
+def bounds_at(s, p, counts, speed, parameters, out):
+    n, own = carray(counts, (2,))
+    bounds(carray(s, (2, n)), carray(p, (n,)), speed[0], carray(parameters, (own,)), carray(out, (n,)))
+
+
 def bounded_residual(q, s, bound, rho, eps):
     n = len(bound)
     F, total = np.empty((2, n)), 0.0
@@ -163,6 +176,7 @@ def friction_source(law: FrictionLaw) -> str:
             names,
             [(pointwise.lowered(bound), ()), *((pointwise.lowered(F), i) for i in VECTOR)],
         ),
+        **_loop("bound", names, [(pointwise.lowered(bound), ())]),
         **_loop("mean_residual", names, [(pointwise.lowered(H), i) for i in VECTOR]),
         **_loop("mean_slopes", names, [*by_vectors, *by_numbers], "i"),
         **_loop("bounded", names, [(pointwise.lowered(G), i) for i in VECTOR]),

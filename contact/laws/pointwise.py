@@ -28,14 +28,16 @@ from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.compiled import address, compiled, folder
 
 NUMBERS = types.CPointer(types.float64)
-AT_POINTS = types.void(*[NUMBERS] * 4, types.CPointer(types.int64), *[NUMBERS] * 3)
+COUNTS = types.CPointer(types.int64)
+AT_POINTS = types.void(*[NUMBERS] * 4, COUNTS, *[NUMBERS] * 3)
+BOUNDS_AT_POINTS = types.void(*[NUMBERS] * 2, COUNTS, *[NUMBERS] * 3)
 WITHOUT_UFL = "none"  # in place of UFL's stamp
 # A law of each class, with any constants: they are arguments of the generated functions.
 FRICTION_LAWS: tuple[FrictionLaw, ...] = Coulomb(), FallingFriction.polach(), Stribeck(0.3, 0.2, 1.0)
 NORMAL_LAWS: tuple[NormalLaw, ...] = Penalty(), PowerPenalty(1e12, 2.0)
 FRICTION = (
     *("coefficient", "residual", "bounded_residual", "slopes", "bounded_slopes"),
-    *("mean_residual", "mean_slopes"),
+    *("mean_residual", "mean_slopes", "bounds"),
 )
 VELOCITIES = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0, 100.0])  # m/s, at which laws are checked
 PRESSURES = np.array([0.0, 1.0, 1e6, 1e9, 5e9])  # Pa, likewise
@@ -74,6 +76,11 @@ class FrictionFunctions:
     def slopes_address(self) -> int:
         """Address of its slopes, likewise."""
         return address(self.code.mean_slopes_at, AT_POINTS)
+
+    @cached_property
+    def bounds_address(self) -> int:
+        """Address of the bounds, likewise."""
+        return address(self.code.bounds_at, BOUNDS_AT_POINTS)
 
     def bounded_residual(self, q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, float]:
         """F (2, n) Pa and its norm for given bounds."""

@@ -1,4 +1,4 @@
-"""Compiled: calls of a friction residual and its slopes by address, so that compiled loops serve every law."""
+"""Compiled: calls of a friction residual, its slopes and bounds by address, so that compiled loops serve every law."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ class ResidualCode(NamedTuple):
     """Friction law for compiled code.
 
     Parameters:
-        address, slopes_address: of the residual and of its slopes; 0 without friction.
+        address, slopes_address, bounds_address: of the residual, of its slopes and of the bounds; 0 without friction.
         parameters: of the law.
         regularisation: creepage eps.
     """
 
     address: int
     slopes_address: int
+    bounds_address: int
     parameters: Array
     regularisation: float
 
     @classmethod
     def of(cls, functions: FrictionFunctions, regularisation: float) -> ResidualCode:
-        return cls(functions.residual_address, functions.slopes_address, functions.parameters, regularisation)
+        addresses = functions.residual_address, functions.slopes_address, functions.bounds_address
+        return cls(*addresses, functions.parameters, regularisation)
 
 
 @compiled
@@ -55,6 +57,28 @@ def friction_slopes(law: ResidualCode, q: Array, s: Array, p: Array, rho: Array,
     counts, numbers = np.array([len(rho), len(law.parameters)]), np.array([speed, law.regularisation])
     _write(law.slopes_address, q, s, p, rho, counts, numbers, law.parameters, slopes)
     return slopes
+
+
+@compiled
+def friction_bounds(law: ResidualCode, s: Array, p: Array, speed: float) -> Array:
+    """Bounds mu(|s| V, p) p (n,) Pa of the tractions at n points.
+
+    Parameters, contiguous:
+        law: of friction.
+        s: (2, n), slips over the rolling speed V.
+        p: (n,) Pa, pressures.
+        speed: V, m/s.
+    """
+    bounds, counts = np.empty_like(p), np.array([len(p), len(law.parameters)])
+    _write_bounds(law.bounds_address, s, p, counts, np.array([speed]), law.parameters, bounds)
+    return bounds
+
+
+@compiled
+def _write_bounds(address: int, s: Array, p: Array, counts: Nodes, speed: Array, parameters: Array, out: Array) -> None:
+    """As `_write`."""
+    points = s.ctypes.data, p.ctypes.data, counts.ctypes.data
+    call(address, (*points, speed.ctypes.data, parameters.ctypes.data, out.ctypes.data))
 
 
 @compiled

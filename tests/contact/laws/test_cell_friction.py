@@ -10,7 +10,7 @@ from scipy.special import roots_legendre
 from test_laws import LAWS, Points
 
 from wheelrail.contact.laws.pointwise import friction_functions
-from wheelrail.contact.laws.residual_call import ResidualCode, friction_residual, friction_slopes
+from wheelrail.contact.laws.residual_call import ResidualCode, friction_bounds, friction_residual, friction_slopes
 from wheelrail.support.arrays import Array
 
 
@@ -32,6 +32,12 @@ def test_mean_residual_is_that_of_a_linear_bound(law: str) -> None:
     np.testing.assert_allclose(F, expected, atol=1e-5 * np.abs(x.q).max())
     sticks = np.hypot(*(x.rho * x.q - x.s)) < x.rho * x.bound(law) * (1 + np.stack([-1.0, 1.0])[:, None] * half / x.p)
     assert (sticks[0] != sticks[1]).sum() > 30
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_bounds_are_those_of_the_law(law: str) -> None:
+    x, code = Points.sample(50, 6), ResidualCode.of(friction_functions(LAWS[law]), 0.0)
+    np.testing.assert_allclose(friction_bounds(code, x.s, x.p, x.speed), x.bound(law), rtol=1e-12)
 
 
 @pytest.mark.parametrize("law", LAWS)

@@ -42,7 +42,7 @@ from wheelrail.contact.models.lattice.system.surface import (
 )
 from wheelrail.support.arrays import Array, Nodes
 
-NO_FRICTION = ResidualCode(0, 0, np.zeros(0), 0.0)
+NO_FRICTION = ResidualCode(0, 0, 0, np.zeros(0), 0.0)
 OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
 TOO_DEEP = "the wheel lies inside the rail, too deep for a contact"
 INSIDE = 1e-3  # m, below the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
