@@ -9,9 +9,9 @@ import numpy as np
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, creepages, velocity_along
 from wheelrail.contact.results.result import Patch
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing, compiled
 
-PATCH_NUMBERS = 32  # of `store_sums`
+PATCH_NUMBERS = 26  # of `store_patch`
 
 
 class PatchPoints(NamedTuple):
@@ -49,6 +49,7 @@ class PatchSums(NamedTuple):
         peak: Pa, the largest pressure.
         force: (3,) N.
         axes: (3, 3), rows forward, left and upward of the mean contact plane.
+        slope: of the common surface of the deformed bodies over that plane.
         point: (3,) m, centre of pressure.
         wheel, rail: (2,) m, its arc length and lateral position on both profiles.
         bands: (4,) m, smallest and largest lateral position on the wheel, and on the rail.
@@ -57,6 +58,7 @@ class PatchSums(NamedTuple):
         power: W, of the tractions on the rigid slip. In steady rolling it is the frictional heat, as the power of the
             elastic slip sums to zero; sums of traction times slip converge to the same value, from 7 % below with
             12 x 16 cells.
+        strips: number of strips of a lattice; 0 for other models.
     """
 
     area: float
@@ -64,6 +66,7 @@ class PatchSums(NamedTuple):
     peak: float
     force: Array
     axes: Array
+    slope: float
     point: Array
     wheel: Array
     rail: Array
@@ -71,60 +74,59 @@ class PatchSums(NamedTuple):
     semi_axes: Array
     creepage: tuple[float, float, float]
     power: float
-
-    @classmethod
-    def of(cls, row: Array) -> PatchSums:
-        """Sums of a row (32,) of `store_sums`."""
-        area, stick_area, peak, power, *creepage = row[25:].tolist()
-        return cls(
-            area,
-            stick_area,
-            peak,
-            row[:3],
-            row[3:12].reshape(3, 3),
-            row[12:15],
-            row[15:17],
-            row[17:19],
-            row[19:23],
-            row[23:25],
-            (creepage[0], creepage[1], creepage[2]),
-            power,
-        )
-
-    @property
-    def patch(self) -> Patch:
-        """The patch with these resultants."""
-        forward, left, normal = (self.axes @ self.force).tolist()
-        semi_axes, bands = self.semi_axes.tolist(), self.bands.tolist()
-        (wheel_s, wheel_y), (rail_s, rail_y) = self.wheel.tolist(), self.rail.tolist()
-        return Patch(
-            area=self.area,
-            max_pressure=self.peak,
-            normal_force=normal,
-            force=self.force,
-            tangential_force=(forward, left),
-            semi_axes=(semi_axes[0], semi_axes[1]),
-            contact_angle=float(np.arctan2(-self.axes[2, 1], self.axes[2, 2])),
-            wheel_s=wheel_s,
-            rail_s=rail_s,
-            wheel_y=wheel_y,
-            rail_y=rail_y,
-            wheel_band=(bands[0], bands[1]),
-            rail_band=(bands[2], bands[3]),
-            x=float(self.point[0]),
-            stick_area=self.stick_area,
-            creepage=self.creepage,
-            frictional_power=self.power,
-        )
+    strips: int
 
 
-@compiled
-def store_sums(sums: PatchSums, peak: float, row: Array) -> None:
-    """Fill a row (32,) with sums, for compiled code that returns several; peak: Pa, in place of theirs."""
-    row[:3], row[3:12], row[12:15], row[15:17] = sums.force, sums.axes.ravel(), sums.point, sums.wheel
-    row[17:19], row[19:23], row[23:25] = sums.rail, sums.bands, sums.semi_axes
-    row[25], row[26], row[27], row[28] = sums.area, sums.stick_area, peak, sums.power
-    row[29], row[30], row[31] = sums.creepage
+@borrowing
+def inclination(axes: Array) -> float:
+    """Rotation rad of a contact plane with axes (3, 3) about x."""
+    return float(np.arctan2(-axes[2, 1], axes[2, 2]))
+
+
+@borrowing
+def store_patch(sums: PatchSums, peak: float, row: Array) -> None:
+    """Fill a row (26,) of numbers for `patches_of`; peak: Pa, in place of that of the sums."""
+    forward, left, normal = 0.0, 0.0, 0.0
+    for c in range(3):
+        forward += sums.axes[0, c] * sums.force[c]
+        left += sums.axes[1, c] * sums.force[c]
+        normal += sums.axes[2, c] * sums.force[c]
+        row[3 + c], row[21 + c] = sums.force[c], sums.creepage[c]
+    row[0], row[1], row[2], row[6], row[7] = sums.area, peak, normal, forward, left
+    row[8], row[9], row[10] = sums.semi_axes[0], sums.semi_axes[1], inclination(sums.axes) - sums.slope
+    row[11], row[12], row[13], row[14] = sums.wheel[0], sums.rail[0], sums.wheel[1], sums.rail[1]
+    for c in range(4):
+        row[15 + c] = sums.bands[c]
+    row[19], row[20], row[24], row[25] = sums.point[0], sums.stick_area, sums.power, sums.strips
+
+
+def patches_of(rows: Array) -> tuple[Patch, ...]:
+    """Patches with the numbers of rows (k, 26) of `store_patch`, their fields in order."""
+    return tuple(_patch(row) for row in rows)
+
+
+def _patch(row: Array) -> Patch:
+    numbers = row.tolist()
+    return Patch(
+        area=numbers[0],
+        max_pressure=numbers[1],
+        normal_force=numbers[2],
+        force=row[3:6].copy(),
+        tangential_force=(numbers[6], numbers[7]),
+        semi_axes=(numbers[8], numbers[9]),
+        contact_angle=numbers[10],
+        wheel_s=numbers[11],
+        rail_s=numbers[12],
+        wheel_y=numbers[13],
+        rail_y=numbers[14],
+        wheel_band=(numbers[15], numbers[16]),
+        rail_band=(numbers[17], numbers[18]),
+        x=numbers[19],
+        stick_area=numbers[20],
+        creepage=(numbers[21], numbers[22], numbers[23]),
+        frictional_power=numbers[24],
+        strips=int(numbers[25]),
+    )
 
 
 @compiled
@@ -191,4 +193,5 @@ def patch_sums(inside: Mask, points: PatchPoints, v: RigidVelocities, speed: flo
     outward = axes.copy()
     outward[2] = -axes[2]
     creepage = creepages(v, point, outward, speed)
-    return PatchSums(area, stick_area, peak, force, axes, point, wheel, rail, bands, semi_axes, creepage, power)
+    places = point, wheel, rail, bands
+    return PatchSums(area, stick_area, peak, force, axes, 0.0, *places, semi_axes, creepage, power, 0)

@@ -11,7 +11,7 @@ from scipy import ndimage
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
-from wheelrail.contact.results.patch_sums import PatchPoints, patch_sums
+from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, patch_sums, patches_of, store_patch
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch, Statistics
 from wheelrail.support.arrays import Array, Mask, Nodes
 
@@ -110,8 +110,11 @@ class FrictionalWork:
             fixed(self.traction),
             fixed(self.sticks),
         )
-        count = patch.max(initial=-1) + 1
-        return tuple(patch_sums(patch == k, cells, velocities, self.speed).patch for k in range(count))
+        rows = np.empty((patch.max(initial=-1) + 1, PATCH_NUMBERS))
+        for k, row in enumerate(rows):
+            sums = patch_sums(patch == k, cells, velocities, self.speed)
+            store_patch(sums, sums.peak, row)
+        return patches_of(rows)
 
 
 def connected(nodes: Nodes, loaded: Mask, grid: tuple[int, int]) -> Nodes:

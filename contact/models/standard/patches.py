@@ -13,7 +13,7 @@ from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
 from wheelrail.contact.models.standard.forces import StripTractions
 from wheelrail.contact.models.standard.normal import StripPressures
-from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, PatchSums, patch_sums, store_sums
+from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, patch_sums, patches_of, store_patch
 from wheelrail.contact.results.result import Fields, Patch
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
@@ -67,12 +67,8 @@ class StripContacts:
     def patches(self) -> tuple[Patch, ...]:
         """All patches, by decreasing load."""
         places, velocities = self.surfaces.profiles(self.strips.s, self.point), RigidVelocities.of(self.motion)
-        return patches_of(patch_rows(self.zones.weight, self.strips, self.cells, self.axes, places, velocities))
-
-
-def patches_of(rows: Array) -> tuple[Patch, ...]:
-    """Patches of `patch_rows`."""
-    return tuple(PatchSums.of(row).patch for row in rows)
+        rows = patch_rows(self.zones.weight, self.strips, self.cells, self.axes, places, velocities)
+        return patches_of(rows)
 
 
 @compiled
@@ -84,7 +80,7 @@ def patch_rows(
     places: tuple[Array, Array],
     v: RigidVelocities,
 ) -> Array:
-    """Sums over the cells of every contact, rows (k, 32) of `store_sums` by decreasing load.
+    """Sums over the cells of every contact, rows (k, 26) of `store_patch` by decreasing load.
 
     Parameters:
         weight: (k,) of the contacts.
@@ -117,5 +113,5 @@ def patch_rows(
             if strips.contact[i] == order[place]:
                 inside[i * m : (i + 1) * m] = True
                 peak = max(peak, strips.scale[i] * strips.half[i])
-        store_sums(patch_sums(inside, points, v, speed), peak, rows[place])
+        store_patch(patch_sums(inside, points, v, speed), peak, rows[place])
     return rows

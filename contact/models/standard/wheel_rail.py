@@ -21,10 +21,11 @@ from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.force_derivatives import force_derivatives
 from wheelrail.contact.models.standard.forces import StripFrames, StripFriction, strip_forces
 from wheelrail.contact.models.standard.normal import StripPressures, virtual_penetration
-from wheelrail.contact.models.standard.patches import patch_rows, patches_of
+from wheelrail.contact.models.standard.patches import patch_rows
 from wheelrail.contact.models.standard.pressure_derivatives import virtual_penetration_derivatives
 from wheelrail.contact.models.standard.region_derivatives import region_derivatives
 from wheelrail.contact.models.standard.strip_loads import strip_loads
+from wheelrail.contact.results.patch_sums import patches_of
 from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.contact.solvers.tangent import ContactTangent
 from wheelrail.meshes.curves.closest_point import Shape
@@ -262,7 +263,7 @@ def tangents_in_states(
 
 @compiled
 def wheel_patches(p: Parameters, pairs: WheelPairs, forces: WheelForces, i: int) -> Array:
-    """Rows of all patches of wheel i by decreasing load, see `wheelrail.contact.results.patch_sums.PatchSums.of`.
+    """Rows of all patches of wheel i by decreasing load, see `wheelrail.contact.results.patch_sums.patches_of`.
 
     Parameters as for `wheel_tangents`.
     """
