@@ -19,7 +19,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.grid_displacement import body_displacements
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
-from wheelrail.contact.results.touching_material import of_material, symmetric
+from wheelrail.contact.results.touching_material import BodyDisplacements, symmetric
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions, solve_tractions
@@ -180,6 +180,11 @@ class CondensedContact:
         deformation = np.zeros((n, 3))
         deformation[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
         bound = self.laws.friction_bound(p, np.hypot(*solution.found.slip.T), solution.speed)
+
+        def bodies() -> BodyDisplacements:
+            forces = np.column_stack([q, -p]) * points.area[:, None]
+            return body_displacements(points, forces, (self.wheel, self.rail))
+
         result = assemble_result(
             FrictionalWork.below(bound, points, q, solution.motion, solution.speed),
             node=points.node,
@@ -189,11 +194,8 @@ class CondensedContact:
             displacement=deformation,
             approach=approach,
             statistics=statistics,
+            bodies=None if symmetric(points, q) else bodies,
         )
-        if not symmetric(points, q):
-            forces = np.column_stack([q, -p]) * points.area[:, None]
-            bodies = self.wheel, self.rail
-            result = of_material(result, points.wheel_place[:, 0], lambda: body_displacements(points, forces, bodies))
         return replace(result, force_tangent=tangent_of(solution), warm_start=NodalTractions(points.node, p, q))
 
 

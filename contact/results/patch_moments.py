@@ -2,58 +2,76 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.results.patch_area import LEAST_STRIPS, patch_area
-from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch
+from wheelrail.contact.results.patch_sums import PatchSums
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
 
 HALF_ELLIPSE = 32 / (3 * np.pi**2)  # length times integral of the square over square of the integral
 
 
-def sharpened(result: ContactResult, layout: StripLayout, margin: Array, touching: Array) -> ContactResult:
-    """The result with semi-axes, area and stick area interpolated within cells.
+class StripMeans(NamedTuple):
+    """S adjacent strips of M cells.
 
     Parameters:
-        result: on strips.
-        layout: of the strips.
-        margin: (n,) Pa, from the traction to the largest possible one, zero under slip.
+        middle, width: (S,) m, across.
+        edges: (S, M + 1) m, cell boundaries along the rolling circle.
+        length: (S,) m, on the surface.
         touching: (S,) squared length, continued beyond the end of the contact, over that of the strip.
+        pressure: (S, M) Pa, means over the cells.
+        margin: (S, M) Pa, from the traction to the largest possible one, zero under slip.
     """
-    assert result.fields is not None
-    return replace(
-        result, patches=LazyPatches(partial(_sharpened, result.patches, result.fields, layout, margin, touching))
+
+    middle: Array
+    width: Array
+    edges: Array
+    length: Array
+    touching: Array
+    pressure: Array
+    margin: Array
+
+
+@compiled
+def sharpened(sums: PatchSums, strips: StripMeans, marks: Array) -> PatchSums:
+    """Sums of a patch with semi-axes, area and stick area interpolated within cells.
+
+    Parameters:
+        sums: over the cells.
+        strips: of the patch.
+        marks: (M + 1,) cell boundaries from 0 to 1.
+    """
+    S, M = strips.pressure.shape
+    lengths = strips.edges[:, 1:] - strips.edges[:, :-1]
+    load, square, bounds, sticks = np.zeros(S), np.empty(S), np.empty(S + 1), stick_lengths(strips.margin, lengths)
+    for i in range(S):
+        for r in range(M):
+            load[i] += strips.pressure[i, r] * lengths[i, r] * strips.width[i]
+        square[i] = strips.length[i] * strips.length[i] * (strips.touching[i] if S >= LEAST_STRIPS else 1.0)
+        sticks[i] = square[i] * (sticks[i] / (strips.edges[i, M] - strips.edges[i, 0])) ** 2
+        bounds[i] = strips.middle[i] - 0.5 * strips.width[i]
+        bounds[i + 1] = strips.middle[i] + 0.5 * strips.width[i]
+    across = lateral_spread(load, strips.middle, strips.width)
+    area = patch_area(square, bounds)
+    return PatchSums(
+        area,
+        min(stick_area(sticks, bounds), area),
+        sums.peak,
+        sums.force,
+        sums.axes,
+        sums.slope,
+        sums.point,
+        sums.wheel,
+        sums.rail,
+        sums.bands,
+        np.array([spread(strips.pressure, strips.edges, marks), across]),
+        sums.creepage,
+        sums.power,
+        S,
     )
-
-
-def _sharpened(
-    patches: Sequence[Patch], fields: Fields, layout: StripLayout, margin: Array, touching: Array
-) -> tuple[Patch, ...]:
-    p, area, left = (values.reshape(len(layout.sides), -1) for values in (fields.pressure, fields.area, margin))
-    labels, edges, width = fields.patch.reshape(p.shape).max(axis=1), layout.edges, layout.width
-    corrected = []
-    for k, patch in enumerate(patches):
-        own = np.flatnonzero(labels == k)
-        sides = np.append(layout.sides[own, 0], layout.sides[own[-1], 1])
-        x, lengths = edges[own], np.diff(edges[own])
-        load = p[own] * lengths
-        axes = (
-            spread(p[own], x, layout.marks),
-            lateral_spread(load.sum(axis=1) * width[own], layout.middle[own], width[own]),
-        )
-        square = (area[own].sum(axis=1) / width[own]) ** 2
-        if len(own) >= LEAST_STRIPS:
-            square *= touching[own]
-        smooth = patch_area(square, sides)
-        sticks = stick_area(square * (stick_lengths(left[own], lengths) / lengths.sum(axis=1)) ** 2, sides)
-        corrected.append(replace(patch, semi_axes=axes, area=smooth, stick_area=min(sticks, smooth), strips=len(own)))
-    return tuple(corrected)
 
 
 @compiled

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -13,6 +14,7 @@ from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
 from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, patch_sums, patches_of, store_patch
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch, Statistics
+from wheelrail.contact.results.touching_material import BodyDisplacements, on_material
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 
@@ -26,6 +28,7 @@ def assemble_result(
     displacement: Array,
     approach: float,
     statistics: Statistics,
+    bodies: Callable[[], BodyDisplacements] | None = None,
 ) -> ContactResult:
     """Converged result in the frame of the rail, moment about its origin.
 
@@ -37,6 +40,8 @@ def assemble_result(
         displacement: (n, 3) m, wheel minus rail.
         approach: largest undeformed penetration, m.
         statistics: of the solve.
+        bodies: returns the displacements of both bodies, by which patches lie on the material that touches; None: on
+            that of the undeformed bodies.
     """
     points, traction = work.points, work.traction
     local = np.column_stack([traction, -pressure]) * points.area[:, None]
@@ -49,7 +54,7 @@ def assemble_result(
     return ContactResult(
         force=forces.sum(axis=0),
         moment=np.cross(points.point, forces).sum(axis=0),
-        patches=LazyPatches(partial(work.patches, patch, pressure)),
+        patches=LazyPatches(partial(work.patches, patch, pressure, bodies)),
         fields=Fields(
             node,
             patch,
@@ -94,8 +99,10 @@ class FrictionalWork:
         """Points stick where the traction (n, 2) Pa is below a bound (n,) Pa, the largest possible one."""
         return cls(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
 
-    def patches(self, patch: Nodes, pressure: Array) -> tuple[Patch, ...]:
-        """All patches (n,), by decreasing load, from pressures (n,) Pa."""
+    def patches(
+        self, patch: Nodes, pressure: Array, bodies: Callable[[], BodyDisplacements] | None
+    ) -> tuple[Patch, ...]:
+        """All patches (n,), by decreasing load, from pressures (n,) Pa; bodies: as for `assemble_result`."""
         points, velocities = self.points, RigidVelocities.of(self.motion)
         fixed = np.ascontiguousarray  # machine code is for one layout
         cells = PatchPoints(
@@ -110,9 +117,14 @@ class FrictionalWork:
             fixed(self.traction),
             fixed(self.sticks),
         )
+        moved = None if bodies is None else bodies()
         rows = np.empty((patch.max(initial=-1) + 1, PATCH_NUMBERS))
         for k, row in enumerate(rows):
-            sums = patch_sums(patch == k, cells, velocities, self.speed)
+            inside = patch == k
+            sums = patch_sums(inside, cells, velocities, self.speed)
+            if moved is not None:
+                own = BodyDisplacements(*(part[inside] for part in moved))
+                sums = on_material(sums, own, points.wheel_place[inside, 0], (pressure * points.area)[inside])
             store_patch(sums, sums.peak, row)
         return patches_of(rows)
 

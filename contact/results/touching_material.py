@@ -8,18 +8,17 @@ undeformed one at s by du_n / ds.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
-from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
-from wheelrail.support.arrays import Array, Mask
+from wheelrail.contact.results.patch_sums import PatchSums, inclination
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
 
 
-@dataclass(frozen=True)
-class BodyDisplacements:
+class BodyDisplacements(NamedTuple):
     """Displacements of n contact points, or of strips: means over their lengths weighted by pressure.
 
     Parameters:
@@ -31,66 +30,53 @@ class BodyDisplacements:
     rail: Array
     wheel_normal: Array
 
-    def of(self, places: Mask) -> BodyDisplacements:
-        """Those of some points or strips, a mask (n,)."""
-        return BodyDisplacements(self.wheel[places], self.rail[places], self.wheel_normal[places])
-
 
 def symmetric(points: SurfacePoints, traction: Array) -> bool:
     """Whether displacements are opposite on both sides of a patch: those of a plane surface without traction (n, 2)."""
     return not traction.any() and bool(np.all(points.axes == points.axes[0]))
 
 
-def of_material(result: ContactResult, s: Array, displacements: Callable[[], BodyDisplacements]) -> ContactResult:
-    """The result whose patches are placed on the material that touches, computed when they are first needed.
+@compiled
+def on_material(sums: PatchSums, displacements: BodyDisplacements, s: Array, load: Array) -> PatchSums:
+    """Sums of a patch with positions on the profiles of the material that touches, and the slope of the common surface.
 
     Parameters:
-        result: on n contact points.
-        s: (n,) m, arc length of the points on the wheel.
-        displacements: returns those of the points.
-    """
-    fields, undeformed = result.fields, result.patches
-    assert fields is not None
-
-    def patches() -> tuple[Patch, ...]:
-        load, bodies = fields.pressure * fields.area, displacements()
-        masks = [fields.patch == number for number in range(len(undeformed))]
-        return tuple(
-            with_material(patch, bodies.of(mask), s[mask], load[mask])
-            for patch, mask in zip(undeformed, masks, strict=True)
-        )
-
-    return replace(result, patches=LazyPatches(patches))
-
-
-def with_material(patch: Patch, displacements: BodyDisplacements, s: Array, load: Array) -> Patch:
-    """The patch with positions on the profiles of the material that touches, and the angle of the common surface.
-
-    Parameters:
-        patch: with positions in space and the angle of the undeformed wheel.
+        sums: with positions in space.
         displacements: of its n points or strips.
         s: (n,) m, their arc length on the wheel.
         load: (n,) N.
 
-    The angle changes by the slope of the regression line of u_n over them.
+    The slope is that of the regression line of u_n over s.
     """
-    weight = load / load.sum()
-    wheel, rail = float(weight @ displacements.wheel), float(weight @ displacements.rail)
-    lever = s - weight @ s
-    inertia = float(weight @ lever**2)
-    slope = float(weight @ (lever * displacements.wheel_normal)) / inertia if inertia > 0 else 0.0
-    level = float(np.cos(patch.contact_angle))
-    return replace(
-        patch,
-        wheel_s=patch.wheel_s - wheel,
-        rail_s=patch.rail_s - rail,
-        wheel_y=patch.wheel_y - wheel * level,
-        rail_y=patch.rail_y - rail * level,
-        wheel_band=_shifted(patch.wheel_band, -wheel * level),
-        rail_band=_shifted(patch.rail_band, -rail * level),
-        contact_angle=patch.contact_angle - slope,
+    total, centre, shift_of_wheel, shift_of_rail = 0.0, 0.0, 0.0, 0.0
+    for i in range(len(s)):
+        total += load[i]
+        centre += load[i] * (s[i] - s[0])
+        shift_of_wheel += load[i] * displacements.wheel[i]
+        shift_of_rail += load[i] * displacements.rail[i]
+    centre, shift_of_wheel, shift_of_rail = centre / total, shift_of_wheel / total, shift_of_rail / total
+    moment, inertia = 0.0, 0.0
+    for i in range(len(s)):
+        lever = s[i] - s[0] - centre
+        moment += load[i] * lever * displacements.wheel_normal[i]
+        inertia += load[i] * lever * lever
+    level = np.cos(inclination(sums.axes))
+    bands = sums.bands.copy()
+    bands[:2] -= shift_of_wheel * level
+    bands[2:] -= shift_of_rail * level
+    return PatchSums(
+        sums.area,
+        sums.stick_area,
+        sums.peak,
+        sums.force,
+        sums.axes,
+        moment / inertia if inertia > 0.0 else 0.0,
+        sums.point,
+        sums.wheel - shift_of_wheel * np.array([1.0, level]),
+        sums.rail - shift_of_rail * np.array([1.0, level]),
+        bands,
+        sums.semi_axes,
+        sums.creepage,
+        sums.power,
+        sums.strips,
     )
-
-
-def _shifted(band: tuple[float, float], by: float) -> tuple[float, float]:
-    return band[0] + by, band[1] + by

@@ -284,3 +284,11 @@ def pair_row(means: PairMeans, i: int, j: int, cells: int) -> int:
         add_pair_mean(means.lines, means.first, means.share[i], means.share[j], values[known:cells], known)
         means.known[row] = cells
     return row
+
+
+@compiled
+def complete_means(means: PairMeans) -> None:
+    """Compute the coefficients of all pairs in all cells."""
+    for j in range(len(means.share)):
+        for i in range(j + 1):
+            pair_row(means, i, j, means.values.shape[1])

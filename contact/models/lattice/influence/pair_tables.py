@@ -34,11 +34,12 @@ from wheelrail.contact.models.lattice.influence.body_correction import (
     START,
     BodyCorrection,
     PairMeans,
+    complete_means,
     pair_means,
     strip_shares,
 )
 from wheelrail.contact.models.lattice.influence.bulk import BulkCompliance
-from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE
+from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, PairGrid
 from wheelrail.contact.models.lattice.influence.pair_samples import (
     Deviation,
     HalfSpaces,
@@ -53,6 +54,7 @@ from wheelrail.support.compiled import compiled
 
 GROWTH = 1.5  # of the storage
 NO_LINES = np.zeros(0)
+STORED = 16  # sets of strips whose deviations of each body are kept
 
 
 class PairTables(NamedTuple):
@@ -100,6 +102,16 @@ class PoseMeans(NamedTuple):
 
     place: Nodes
     smooth: PairMeans
+
+
+class BodyTables(NamedTuple):
+    """Tables of the deviation from a half-space of the upper and of the lower body alone, without pair means for a
+    half-space, and their shares (2,) in the compliance of both half-spaces.
+    """
+
+    upper: PairTables
+    lower: PairTables
+    share: Array
 
 
 @dataclass
@@ -198,7 +210,7 @@ class LatticeTables:
             reach: m, longest distance along x.
         """
         if not self.moves:
-            return PoseMeans(np.zeros(len(near), dtype=int), NO_MEANS)
+            return self._no_means
         lower = self._corrections[1]
         assert lower is not None
         place, middle, width, (low, high) = strips_on_lines(self.lattice, near, feet)
@@ -219,24 +231,58 @@ class LatticeTables:
                 carried &= (self.middle - half >= ends[0]) & (self.middle + half <= ends[1])
         return Lattice(self.middle, self.width, self.stretch, carried, bounds)
 
-    def deviation_of(self, which: int, strips: Nodes, feet: Array, reach: float) -> PairTables | None:
-        """Tables of the deviation from a half-space of the upper (0) or lower (1) body alone, as `of`; None for a
-        half-space.
-        """
+    def body_tables(self, strips: Nodes, at: PoseMeans, reach: float) -> BodyTables:
+        """Tables of each body of some loaded strips (S,); at: as for `of`; reach: as for `at`."""
+        upper, lower = (self._of_means(self._deviation_means(which, strips, at, reach)) for which in (0, 1))
+        return BodyTables(upper, lower, self._compliance_shares)
+
+    def _deviation_means(self, which: int, strips: Nodes, at: PoseMeans, reach: float) -> PoseMeans:
+        """Deviation of the upper (0) or lower (1) body; stored where it does not depend on the pose."""
         body = self._corrections[which]
         if body is None:
-            return None
-        middle = self.places_on(which, feet)[strips]
-        return self._of_deviation(body, strips, self._means(body, strips, middle, body.grid.cells_up_to(reach)))
+            return self._no_means
+        if which == 1 and self.moves:
+            return at
+        key, cells = (which, strips.tobytes()), body.grid.cells_up_to(reach)
+        known = self._stored_means.get(key)
+        if known is None or known.smooth.values.shape[1] < cells:
+            if len(self._stored_means) >= STORED:
+                self._stored_means.clear()
+            known = PoseMeans(self._places(strips), self._means(body, strips, self.middle[strips], cells))
+            complete_means(known.smooth)
+            self._stored_means[key] = known
+        return known
 
-    def _of_deviation(self, body: BodyCorrection, strips: Nodes, smooth: PairMeans) -> PairTables:
+    @cached_property
+    def _stored_means(self) -> dict[tuple[int, bytes], PoseMeans]:
+        return {}
+
+    @cached_property
+    def _no_means(self) -> PoseMeans:
+        return PoseMeans(np.zeros(len(self.middle), dtype=int), NO_MEANS)
+
+    @cached_property
+    def _compliance_shares(self) -> Array:
+        bodies = self.operators.upper, self.operators.lower
+        compliance = np.array([(1 + body.nu) * half_space_scale(body) for body in bodies])
+        return np.asarray(compliance / compliance.sum())
+
+    def _of_means(self, means: PoseMeans) -> PairTables:
         """Tables that contain nothing but the coefficients of a deviation."""
-        K, cells = len(self.middle), len(body.grid.lower)
-        place = np.zeros(K, dtype=int)
-        place[strips] = np.arange(len(strips))
+        return PairTables(*self._zero_tables, means.place, means.smooth)
+
+    @cached_property
+    def _zero_tables(self) -> tuple[Array, NDArray[np.int32], Nodes, Nodes, Array]:
+        """Values, numbers, first cells, numbers of cells and inverse starts of tables of zeros for all pairs."""
+        K, cells = len(self.middle), len(PairGrid.over(START).lower)
         none, alike = np.zeros((cells, DEGREE + 1, COMPONENTS)), np.zeros((K, K), dtype=np.int32)
-        first, count, inverse = np.zeros(1, dtype=int), np.array([cells]), np.array([1 / START])
-        return PairTables(none, alike, first, count, inverse, place, smooth)
+        return none, alike, np.zeros(1, dtype=int), np.array([cells]), np.array([1 / START])
+
+    def _places(self, strips: Nodes) -> Nodes:
+        """`PairTables.place` of some strips (C,)."""
+        place = np.zeros(len(self.middle), dtype=int)
+        place[strips] = np.arange(len(strips))
+        return place
 
     def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> PairMeans:
         """Coefficients of a body's deviation, strips at middles (C,) m on it."""

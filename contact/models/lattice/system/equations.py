@@ -137,10 +137,8 @@ def _add_penetration(values: Array, data: EquationData, moments: Array) -> tuple
 
 
 @compiled
-def cell_frames(
-    values: Array, places: StripPlaces, basis: StripBasis, surface: SurfaceData, motion: Motion
-) -> SurfaceFrames:
-    """Points and axes of the upper body at the middles of all cells (S M,)."""
+def cell_middles(values: Array, places: StripPlaces, basis: StripBasis) -> tuple[Array, Array]:
+    """Middles s, x (S M,) m of all cells across and along, strip by strip from the trailing end."""
     S, M = len(values), len(basis.marks) - 1
     s, x = np.empty(S * M), np.empty(S * M)
     for i in range(S):
@@ -148,18 +146,32 @@ def cell_frames(
             mark = 0.5 * (basis.marks[r] + basis.marks[r + 1])
             s[i * M + r] = places.middle[i]
             x[i * M + r] = values[i, -2] + (values[i, -1] - values[i, -2]) * mark
+    return s, x
+
+
+@compiled
+def cell_frames(
+    values: Array, places: StripPlaces, basis: StripBasis, surface: SurfaceData, motion: Motion
+) -> SurfaceFrames:
+    """Points and axes of the upper body at the middles of all cells (S M,)."""
+    s, x = cell_middles(values, places, basis)
     return frames(surface, motion.origin, motion.rotation, s, x)
 
 
 @compiled
 def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
     """Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x."""
-    places, basis, motion = data.places, data.basis, data.motion
-    S, M = len(values), len(basis.marks) - 1
+    return rigid_slip_at(cell_frames(values, data.places, data.basis, data.surface, data.motion), data)
+
+
+@compiled
+def rigid_slip_at(at: SurfaceFrames, data: EquationData) -> tuple[Array, Array]:
+    """`rigid_slip` from the points and axes at the middles of all cells (S M,)."""
+    places, motion = data.places, data.motion
+    S, M = len(places.middle), len(data.basis.marks) - 1
     level = np.empty((S * M, 3))
     for i in range(S):
         level[i * M : (i + 1) * M] = places.level[i]
-    at = cell_frames(values, places, basis, data.surface, motion)
     shift, change, _ = rigid_shift(at, level, motion)
     slip, slope = np.empty((S, 2, M)), np.empty((S, 2, M))
     for i in range(S):
@@ -171,7 +183,7 @@ def rigid_slip(values: Array, data: EquationData) -> tuple[Array, Array]:
 
 
 @compiled
-def _pressure(values: Array, basis: StripBasis, rolls: bool) -> Array:
+def cell_pressures(values: Array, basis: StripBasis, rolls: bool) -> Array:
     """Pressure (S, M) Pa, means over the cells."""
     S, M = len(values), len(basis.marks) - 1
     at = 2 * M if rolls else 0
@@ -202,7 +214,7 @@ def resultants(values: Array, data: EquationData) -> Array:
     """Force N and moment N m about the origin (6,) on the upper body."""
     places, basis = data.places, data.basis
     S, M = len(values), len(basis.marks) - 1
-    pressure = _pressure(values, basis, data.motion.speed > 0.0)
+    pressure = cell_pressures(values, basis, data.motion.speed > 0.0)
     rolls = data.motion.speed > 0.0
     at = cell_frames(values, places, basis, data.surface, data.motion)
     total, force = np.zeros(6), np.empty(3)
@@ -223,6 +235,17 @@ def resultants(values: Array, data: EquationData) -> Array:
 
 
 @compiled
+def displacements(values: Array, grid: StripGrid, jumps: Array, data: EquationData) -> tuple[bool, Array]:
+    """Whether all distances lie in the tables, and the antiderivative V (S, M + 3, 3) of the displacements, by jumps
+    (S, M + 1, 3) N/m of `force_jumps`.
+    """
+    places, basis = data.places, data.basis
+    inside, V = antiderivatives(data.tables, grid, jumps)
+    split = split_jumps(values, places.width, basis, data.motion.speed > 0.0)
+    return inside and add_short_strips(data.tables, grid, split, basis, V), V
+
+
+@compiled
 def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> Evaluation:
     """Evaluation from the antiderivative V of the displacements, without the residual of friction."""
     basis, motion, places = data.basis, data.motion, data.places
@@ -231,7 +254,7 @@ def _assembled(values: Array, V: Array, grid: StripGrid, data: EquationData) -> 
     slip, moments = slips_and_moments(V, grid, basis)
     inside, depth_slope = _add_penetration(values, data, moments)
     at = 2 * M if rolls else 0
-    pressure = _pressure(values, basis, rolls)
+    pressure = cell_pressures(values, basis, rolls)
     residuals = np.empty((S, at + moments.shape[1]))
     residuals[:, at:] = moments
     rigid_slope = np.zeros((S, 2, M))
@@ -306,9 +329,7 @@ def evaluate(values: Array, data: EquationData) -> Evaluation:
     places, basis = data.places, data.basis
     grid = strip_grid(values, places, basis)
     jumps = force_jumps(values, places, basis, data.motion.speed > 0.0)
-    inside, V = antiderivatives(data.tables, grid, jumps)
-    split = split_jumps(values, places.width, basis, data.motion.speed > 0.0)
-    inside = inside and add_short_strips(data.tables, grid, split, basis, V)
+    inside, V = displacements(values, grid, jumps, data)
     evaluation = _assembled(values, V, grid, data)
     if data.motion.speed > 0.0:
         _add_friction(values, evaluation, data)

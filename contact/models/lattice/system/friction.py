@@ -14,8 +14,9 @@ import numpy as np
 
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.laws.pointwise import FrictionFunctions
-from wheelrail.contact.laws.residual_call import ResidualCode
+from wheelrail.contact.laws.residual_call import ResidualCode, friction_bounds
 from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
 
 
 @dataclass(frozen=True)
@@ -39,17 +40,22 @@ class CellFriction:
         """The residual F (2, n) Pa and its slopes for compiled code."""
         return ResidualCode.of(self.functions, self.regularisation)
 
-    def margins(self, tractions: Array, slip: Array, pressure: Array, rho: Array, speed: float) -> Array:
-        """Margins (S, M) Pa from the tractions to their bounds where cells stick, b rho + eps > |y|; zero under slip.
 
-        Parameters:
-            tractions: (S, 2, M) Pa.
-            slip: (S, 2, M), over the speed.
-            pressure: (S, M) Pa.
-            rho: (M,) 1/Pa.
-            speed: m/s.
-        """
-        q, s, p = tractions.transpose(1, 0, 2), slip.transpose(1, 0, 2), np.maximum(pressure, 0.0)
-        bound = (self.functions.coefficient(np.hypot(*s).ravel() * speed, p.ravel()) * p.ravel()).reshape(p.shape)
-        sticks = np.hypot(*(rho * q - s)) < rho * bound + self.regularisation
-        return np.where(sticks, np.maximum(bound - np.hypot(*q), 0.0), 0.0)
+@compiled
+def margins(law: ResidualCode, q: Array, s: Array, p: Array, rho: Array, speed: float) -> Array:
+    """Margins (n,) Pa from the tractions to their bounds where cells stick, b rho + eps > |y|; zero under slip.
+
+    Parameters, contiguous:
+        law: of friction.
+        q: (2, n) Pa, tractions.
+        s: (2, n), slips over the speed.
+        p: (n,) Pa, pressures, not negative.
+        rho: (n,) 1/Pa.
+        speed: m/s.
+    """
+    bound = friction_bounds(law, s, p, speed)
+    margin = np.zeros(len(p))
+    for i in range(len(p)):
+        if np.hypot(rho[i] * q[0, i] - s[0, i], rho[i] * q[1, i] - s[1, i]) < rho[i] * bound[i] + law.regularisation:
+            margin[i] = max(bound[i] - np.hypot(q[0, i], q[1, i]), 0.0)
+    return margin

@@ -13,14 +13,13 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.elasticity.waveguide.influence import BEYOND
-from wheelrail.contact.geometry.strip_layout import StripLayout
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
-from wheelrail.contact.kinematics.contact_points import OutsideSurface, SurfacePoints
+from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.residual_call import ResidualCode
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, Tangential
-from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables, PairTables, PoseMeans
+from wheelrail.contact.models.lattice.influence.pair_tables import BodyTables, LatticeTables, PairTables, PoseMeans
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.system.contact_lines import MARGIN, ContactLines, contact_lines
 from wheelrail.contact.models.lattice.system.equations import (
@@ -201,6 +200,10 @@ class LatticeProblem:
         """Complete the tables by those of the pairs of some strips (S,)."""
         self.tables.complete(strips)
 
+    def bodies(self, strips: Nodes) -> BodyTables:
+        """Tables of each body of some loaded strips (S,)."""
+        return self.tables.body_tables(strips, self._means, self.reach)
+
     def check_loaded(self, strips: Nodes) -> None:
         """Raise OutsideSurface where loaded strips (S,) lie beyond the lower body's lines, as unloaded ones may."""
         if self.tables.moves and not self.lines.covered[strips].all():
@@ -243,15 +246,6 @@ class LatticeProblem:
             raise OutsideSurface(TOO_LONG)
         return evaluation
 
-    def layout(self, state: LatticeState) -> StripLayout:
-        """Strips and cells of a state."""
-        sides = self.tables.sides
-        bounds = np.column_stack([sides[state.strips], sides[state.strips + 1]])
-        return StripLayout(bounds, state.ends, np.zeros(len(bounds), dtype=int), self.basis.marks)
-
-    def cell_places(self, state: LatticeState) -> SurfacePoints:
-        """Middles of the cells of a state, strip by strip from the trailing end."""
-        return self.tables.operators.surfaces.places(self.pose, self.layout(state))
 
     @cached_property
     def cell_middles(self) -> Array:

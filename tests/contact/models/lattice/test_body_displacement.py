@@ -21,8 +21,9 @@ from wheelrail.contact.models.lattice.influence.pair_samples import (
     pair_coefficients,
     start_of,
 )
+from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchSums, patches_of, store_patch
 from wheelrail.contact.results.result import Patch
-from wheelrail.contact.results.touching_material import BodyDisplacements, with_material
+from wheelrail.contact.results.touching_material import BodyDisplacements, on_material
 from wheelrail.support.arrays import Array
 
 ANGLE, RADIUS, YIELDING = -0.3, 0.46, 1e-9  # rad of a flange; m; m/N along the axle
@@ -86,18 +87,25 @@ def test_half_spaces_divide_their_displacement_by_their_compliance(modulus: floa
     assert place - patch.rail_s == pytest.approx((fraction - 1) * relative, rel=1e-6)
 
 
+def patch_from(sums: PatchSums) -> Patch:
+    rows = np.empty((1, PATCH_NUMBERS))
+    store_patch(sums, sums.peak, rows[0])
+    return patches_of(rows)[0]
+
+
 def test_a_body_that_turns_takes_its_surface_along() -> None:
     """A rotation by 2 mrad lifts a surface in proportion to s: the contact angle is smaller by as much."""
     s, load = np.array([-1e-3, 0.0, 1e-3, 2e-3]), np.array([1.0, 3.0, 2.0, 1.0])
     turned = BodyDisplacements(np.full(4, 1e-4), np.full(4, -2e-5), 5e-5 + 2e-3 * s)
-    patch = Patch(
-        *(1e-4, 1e9, 1e4, np.zeros(3), (0.0, 0.0), (5e-3, 5e-3), 0.1, -0.02, -0.025, -0.021, -0.026),
-        *((-0.022, -0.02), (-0.027, -0.025), 0.0, 0.0),
-    )
-    moved = with_material(patch, turned, s, load)
+    axes = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(0.1), np.sin(0.1)], [0.0, -np.sin(0.1), np.cos(0.1)]])
+    places = np.array([-0.02, -0.021]), np.array([-0.025, -0.026]), np.array([-0.022, -0.02, -0.027, -0.025])
+    loads = 1e-4, 0.0, 1e9, np.array([0.0, 0.0, 1e4])
+    sums = PatchSums(*loads, axes, 0.0, np.zeros(3), *places, np.full(2, 5e-3), (0.0, 0.0, 0.0), 0.0, 0)
+    patch, moved = (patch_from(at) for at in (sums, on_material(sums, turned, s, load)))
+    assert patch.contact_angle == pytest.approx(0.1)
     assert moved.contact_angle == pytest.approx(0.098)
     assert moved.wheel_s == pytest.approx(-0.0201)
     assert moved.rail_y - patch.rail_y == pytest.approx(2e-5 * np.cos(0.1))
     assert moved.wheel_band == pytest.approx(np.array(patch.wheel_band) - 1e-4 * np.cos(0.1))
-    alone = with_material(patch, turned.of(np.array([True, False, False, False])), s[:1], load[:1])
+    alone = patch_from(on_material(sums, BodyDisplacements(*(part[:1] for part in turned)), s[:1], load[:1]))
     assert alone.contact_angle == patch.contact_angle
