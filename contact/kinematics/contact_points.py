@@ -36,8 +36,6 @@ class SurfacePoints:
         wheel_rotation: (3, 3), from wheel axes to rail axes.
         step: (n,) m, length of the point's cell along the rolling direction.
         wheel_place, rail_place: (n, 2) m, arc length and lateral position on the profiles.
-        level: (n, 3) longitudinal axes in the rail's surface, where elastic slip is that in each body's own axes, see
-            `wheelrail.contact.kinematics.creepage`; None: where it is that in the points' axes.
         sensitivity: sensitivity to the wheel's frame; None: the force has no tangent.
     """
 
@@ -49,7 +47,6 @@ class SurfacePoints:
     step: Array
     wheel_place: Array
     rail_place: Array
-    level: Array | None = field(default=None, kw_only=True)
     sensitivity: PointSensitivity | None = field(default=None, kw_only=True)
 
 

@@ -48,7 +48,4 @@ def shift(points: SurfacePoints, motion: RigidMotion) -> Array:
     Parameters as for `creepage`.
     """
     wheel, rail = motion.wheel.at(points.point), motion.rail.at(points.point)
-    slip = np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail)
-    if points.level is not None:
-        slip[0] = ((points.axes[:, 0] * wheel) - points.level * rail).sum(axis=1)
-    return np.asarray(slip.ravel())
+    return np.asarray(np.einsum("nkc,nc->kn", points.axes[:, :2], wheel - rail).ravel())

@@ -108,7 +108,7 @@ class FrictionalWork:
         cells = PatchPoints(
             fixed(points.point),
             fixed(points.axes),
-            fixed(points.axes[:, 0] if points.level is None else points.level),
+            fixed(points.axes[:, 0]),
             fixed(points.area),
             fixed(points.step),
             fixed(points.wheel_place),

@@ -13,7 +13,6 @@ from scipy.special import k0, k1
 
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.elasticity.half_space import strip_flexibility
-from wheelrail.contact.geometry.strip_layout import marks
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.material import Material
@@ -21,6 +20,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
+from wheelrail.contact.models.lattice.influence.basis import rolling_marks
 from wheelrail.contact.models.lattice.influence.operator import look_up
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, TT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
@@ -126,7 +126,7 @@ def test_upstream_slip_is_exact_for_parabolas() -> None:
 
 def test_stick_ends_within_a_cell() -> None:
     # means over cells of half an ellipse that ends anywhere
-    edges = marks(12, rolling=True)
+    edges = rolling_marks(12)
     ends = np.linspace(0.05, 0.75, 281)
     t = np.clip((edges - ends[:, None]) / (1 - ends[:, None]) * 2 - 1, -1.0, 1.0)
     integral = t * np.sqrt(1 - t**2) + np.arcsin(t)

@@ -13,7 +13,6 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.special import roots_legendre
 
-from wheelrail.contact.geometry.strip_layout import marks
 from wheelrail.contact.models.lattice.influence.slip_difference import AHEAD, upstream
 from wheelrail.support.arrays import Array
 
@@ -22,6 +21,7 @@ MOMENTS = MODES + 2
 STATIONS = 6  # along a strip, at which the penetration is evaluated: it is nearly a parabola
 ORDER = 16  # of the Gauss rules below
 SPLIT = 8  # parts of a cell whose pressure displaces short strips
+LEADING = 0.35  # fraction of the cells' grading towards the leading end alone
 
 
 Tangential = Literal["none", "rolling", "shift"]  # problem: none, steady rolling, one step of displacement from none
@@ -78,7 +78,7 @@ class StripBasis(NamedTuple):
 def strip_basis(cells: int, tangential: Tangential) -> StripBasis:
     """Basis of strips of a number of cells, refined towards both ends."""
     if tangential == "rolling":
-        return _basis(marks(cells, rolling=True), tangential)
+        return _basis(rolling_marks(cells), tangential)
     return _basis(0.5 - 0.5 * np.cos(np.pi * np.linspace(0, 1, cells + 1)), tangential)
 
 
@@ -86,6 +86,16 @@ def strip_basis(cells: int, tangential: Tangential) -> StripBasis:
 def equal_cells(cells: int, tangential: Tangential = "none") -> StripBasis:
     """Basis of strips of a number of equal cells."""
     return _basis(np.linspace(0.0, 1.0, cells + 1), tangential)
+
+
+def rolling_marks(cells: int) -> Array:
+    """Cell boundaries (cells + 1,) of a strip in rolling, from 0 to 1.
+
+    The traction grows as a square root from the leading end and, under full stick, as an inverse square root towards
+    the trailing end: cells shrink quadratically towards both, more towards the first.
+    """
+    t = np.linspace(0.0, 1.0, cells + 1, dtype=np.float64)
+    return np.asarray(LEADING * (1 - (1 - t) ** 2) + (1 - LEADING) * 0.5 * (1 - np.cos(np.pi * t)))
 
 
 def _basis(edges: Array, tangential: Tangential) -> StripBasis:
