@@ -246,7 +246,6 @@ class LatticeProblem:
             raise OutsideSurface(TOO_LONG)
         return evaluation
 
-
     @cached_property
     def cell_middles(self) -> Array:
         """Middles (M,) of the cells, from 0 to 1."""
