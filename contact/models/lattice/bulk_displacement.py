@@ -11,14 +11,14 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.derivatives import CHANGES
+from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
+from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
 from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection, hats
 from wheelrail.contact.models.lattice.influence.bulk import bulk_displacements
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import strip_loads
 from wheelrail.contact.models.lattice.system.penetrated_width import strips_beside_bulk
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.tangent import LatticeTangent
 from wheelrail.support.arrays import Array, Nodes
 
 NONE = np.zeros((2, 1))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wheelrail.contact.models.lattice.bulk_displacement import NONE, BulkDisplacement
-from wheelrail.contact.models.lattice.derivatives import CHANGES
+from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.penetrated_width import maxima, penetrated_width, strips_across
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem

@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
+from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.patches import patch_rows
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
@@ -14,7 +15,6 @@ from wheelrail.contact.models.lattice.system.cells import strip_cells
 from wheelrail.contact.models.lattice.system.equations import resultants
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
-from wheelrail.contact.models.lattice.tangent import LatticeTangent
 from wheelrail.contact.results.patch_sums import patches_of
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
 from wheelrail.contact.solvers.tangent import ContactTangent

@@ -13,9 +13,9 @@ from test_tangent import nudged
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.discretisation import Bodies
-from wheelrail.contact.models.lattice.derivatives import CHANGES
+from wheelrail.contact.models.lattice.derivatives.residual import residual_changes
+from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.models.lattice.pose_derivatives import residual_changes
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import SLOPES, Evaluation
 from wheelrail.support.arrays import Array

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.derivatives import CHANGES
-from wheelrail.contact.models.lattice.foot_derivatives import foot_derivatives
+from wheelrail.contact.models.lattice.derivatives.feet import foot_derivatives
+from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
+from wheelrail.contact.models.lattice.derivatives.velocities import add_friction_changes, store_speed_changes
 from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.contact.models.lattice.influence.pair_tables import Lattice
 from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
@@ -22,7 +23,6 @@ from wheelrail.contact.models.lattice.system.surface import (
     penetration_changes,
     touching_changes,
 )
-from wheelrail.contact.models.lattice.velocity_derivatives import add_friction_changes, store_speed_changes
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import compiled
 

@@ -13,10 +13,10 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.lattice.derivatives import CHANGES, resultant_slopes
+from wheelrail.contact.models.lattice.derivatives.residual import residual_changes
+from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES, resultant_slopes
 from wheelrail.contact.models.lattice.influence.pair_tables import Lattice
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.pose_derivatives import residual_changes
 from wheelrail.contact.models.lattice.solver.factors import (
     SINGULAR,
     Factors,

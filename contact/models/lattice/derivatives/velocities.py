@@ -6,7 +6,7 @@ The twelve changes of pose and motion are those of `wheelrail.contact.kinematics
 from __future__ import annotations
 
 from wheelrail.contact.geometry.wheel_surface import Place
-from wheelrail.contact.models.lattice.derivatives import CHANGES, away, cross, dot, vector
+from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES, away, cross, dot, vector
 from wheelrail.contact.models.lattice.system.equations import EquationData
 from wheelrail.contact.models.lattice.system.surface import Motion, SurfaceFrames
 from wheelrail.support.arrays import Array
