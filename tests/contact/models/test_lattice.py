@@ -27,7 +27,7 @@ from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver import newton
 from wheelrail.contact.models.lattice.solver.factors import factorised, lapack, solve_transposed
-from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS, iterate
+from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.solver.renewal import renewed
 from wheelrail.contact.models.lattice.system.equations import (
@@ -351,10 +351,10 @@ def test_ctrl_c_ends_newtons_method_at_its_next_step(monkeypatch: pytest.MonkeyP
     def interrupted(values: Array, *arguments: Any) -> Any:
         steps.append(len(values))
         os.kill(os.getpid(), signal.SIGINT)
-        return iterate(values, *arguments)
+        return advance(values, *arguments)
 
     contact = ellipse(0.3)
-    monkeypatch.setattr(newton, "iterate", interrupted)
+    monkeypatch.setattr(newton, "advance", interrupted)
     monkeypatch.setattr(newton, "UNINTERRUPTED", 0.0)
     with pytest.raises(KeyboardInterrupt), deferred_interrupts():
         contact(hertz_pose(exact().approach), flowing(1e-3), None)

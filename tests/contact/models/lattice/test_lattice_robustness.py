@@ -222,7 +222,7 @@ def test_friction_closes_a_gap(y: float, z: float, yaw: float) -> None:
     assert result.status == "converged"
     state = start(result)
     assert (problem.depth[state.strips] < -1e-6).any()
-    free = np.setdiff1d(np.flatnonzero(problem.near), state.strips)
+    free = np.setdiff1d(np.flatnonzero(problem.lines.near), state.strips)
     x = problem.lines.x[free]
     rest = remaining_penetration(problem, state, free, x - 8e-3, x + 8e-3, cells=equal_cells(32))
     assert rest.max() < 1e-5 * result.approach
