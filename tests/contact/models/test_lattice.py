@@ -26,6 +26,7 @@ from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS, str
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver import newton
+from wheelrail.contact.models.lattice.solver.advance import advance
 from wheelrail.contact.models.lattice.solver.factors import factorised, lapack, solve_transposed
 from wheelrail.contact.models.lattice.solver.iteration import NO_FACTORS
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
