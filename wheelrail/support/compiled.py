@@ -103,18 +103,28 @@ class TolerantCache(FunctionCache):  # type: ignore[misc]
                 self.flush()
 
 
-def compiled(function: F, *, error_model: Literal["python", "numpy"] = "python", counts: bool = True) -> F:
+def compiled(
+    function: F,
+    *,
+    error_model: Literal["python", "numpy"] = "python",
+    counts: bool = True,
+    inline: Literal["never", "always"] = "never",
+) -> F:
     """The function as machine code, compiled at its first call for every type of arguments.
 
     Parameters:
         function: in Python.
         error_model: Numba's; "numpy": a division by zero gives inf or NaN, as in C, instead of an exception.
         counts: whether references to arrays are counted.
+        inline: "always": compiled functions that call it contain its statements.
 
     Arithmetic is IEEE 754 in the order of the source. With reordered sums, functions that call others would differ in
     the last bits between the process that compiles them and one that loads them from the cache.
     """
-    dispatcher, path = njit(nogil=True, error_model=error_model, _nrt=counts)(_movable(function)), folder()
+    dispatcher, path = (
+        njit(nogil=True, error_model=error_model, _nrt=counts, inline=inline)(_movable(function)),
+        folder(),
+    )
     if path is not None:
         with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
             dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
@@ -126,6 +136,13 @@ def unchecked(function: F) -> F:
     instructions.
     """
     return compiled(function, error_model="numpy")
+
+
+def inlined(function: F) -> F:
+    """As `compiled`, of a function with one caller, which contains its statements: optimising both, and all that they
+    call, takes twice as long.
+    """
+    return compiled(function, inline="always")
 
 
 def borrowing(function: F) -> F:

@@ -33,7 +33,7 @@ from wheelrail.contact.models.lattice.system.surface import touching_changes
 from wheelrail.contact.solvers.options import NotConverged
 from wheelrail.contact.solvers.tangent import co_moving_load
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inlined
 
 Places = tuple[ContactLines, Lattice, Array]  # `residual_changes`
 
@@ -79,7 +79,7 @@ class LatticeTangent:
 
 
 def _checked(inside: bool, regular: bool, changes: Array, factors: Factors) -> tuple[Array, Factors]:
-    """Outcome of `_of_sums`. Raises OutsideSurface and NotConverged."""
+    """Outcome of `_sums`. Raises OutsideSurface and NotConverged."""
     if not inside:
         raise OutsideSurface(TOO_LONG)
     if not regular:
@@ -91,13 +91,21 @@ def _checked(inside: bool, regular: bool, changes: Array, factors: Factors) -> t
 def _of_resultants(
     values: Array, data: EquationData, places: Places, solver: Lapack
 ) -> tuple[Array, tuple[bool, bool, Array, Factors]]:
-    """Force and moment (6,) about the origin, and `_of_sums` of these."""
+    """Force and moment (6,) about the origin, and `_sums` of these."""
     load, slopes = resultant_slopes(values, data)
-    return load, _of_sums(values, data, places, solver, slopes)
+    return load, _sums(values, data, places, solver, slopes)
 
 
 @compiled
 def _of_sums(
+    values: Array, data: EquationData, places: Places, solver: Lapack, weights: Array
+) -> tuple[bool, bool, Array, Factors]:
+    """`_sums` of some sums."""
+    return _sums(values, data, places, solver, weights)
+
+
+@inlined
+def _sums(
     values: Array, data: EquationData, places: Places, solver: Lapack, weights: Array
 ) -> tuple[bool, bool, Array, Factors]:
     """Whether all distances lie in the tables and the Jacobian is regular, derivatives (k, CHANGES) of sums of the

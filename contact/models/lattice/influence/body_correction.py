@@ -19,6 +19,7 @@ from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
 from wheelrail.contact.models.lattice.influence.bulk import TILE, BulkCompliance, bulk_compliance, hat_integral
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, CHANGES, COMPONENTS, DEGREE, REACH, PairGrid
+from wheelrail.contact.models.lattice.influence.vectors import BYTES, add_multiple
 from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.cache import cached, digest
 from wheelrail.support.compiled import borrowing, compiled
@@ -213,10 +214,10 @@ def share_slopes(arc: Array, middle: Array, width: Array) -> Array:
 @compiled
 def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
     """Weights (S, n) of lines (n,) m in the means over strips of functions linear between the lines."""
-    share = np.empty((len(middle), len(arc)))
+    share = np.zeros((len(middle), len(arc)))
     for i in range(len(middle)):
         low, high = middle[i] - 0.5 * width[i], middle[i] + 0.5 * width[i]
-        for k in range(len(arc)):
+        for k in range(max(np.searchsorted(arc, low) - 1, 0), min(np.searchsorted(arc, high) + 1, len(arc))):
             share[i, k] = (hat_integral(arc, k, high) - hat_integral(arc, k, low)) / width[i]
     return share
 
@@ -227,17 +228,16 @@ def add_pair_mean(lines: Array, first: int, row: Array, column: Array, to: Array
 
     row, column: (n,) weights of the lines from the first in both strips; start: the first cell.
     """
+    count, wide, cells = len(to) * (DEGREE + 1), lines.shape[1], lines.shape[2]
+    at, total = lines.ctypes.data, to.ctypes.data
     for k in range(len(row)):
         if row[k] == 0.0:
             continue
         for m in range(len(column)):
             weight = row[k] * column[m]
-            if weight == 0.0:
-                continue
-            for cell in range(len(to)):
-                for d in range(DEGREE + 1):
-                    for c in range(COMPONENTS):
-                        to[cell, d, c] += weight * lines[first + k, first + m, start + cell, d, c]
+            if weight != 0.0:
+                cell = ((first + k) * wide + first + m) * cells + start
+                add_multiple(at + BYTES * (DEGREE + 1) * cell, weight, count, total)
 
 
 class PairMeans(NamedTuple):

@@ -142,3 +142,20 @@ def products(context: Any, g: Any, stride: Any, weights: Any, count: Any, out: A
         return ctx.get_dummy_value()
 
     return types.void(g, stride, weights, count, out, apart, number), generate
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def add_multiple(context: Any, values: Any, weight: Any, count: Any, to: Any) -> Any:
+    """Add a multiple of vectors (count, 8) at an address, by a weight, to those at another one."""
+
+    def generate(ctx: Any, builder: Any, _: Any, arguments: Any) -> Any:
+        values, weight, count, to = arguments
+        fma, factor, size = _fma(builder), _splat(builder, weight), _ir().Constant(_ir().IntType(64), BYTES)
+        with cgutils.for_range(builder, count) as loop:
+            offset = builder.mul(loop.index, size)
+            place = builder.add(to, offset)
+            total = builder.call(fma, [_load(builder, builder.add(values, offset)), factor, _load(builder, place)])
+            _store(builder, total, place)
+        return ctx.get_dummy_value()
+
+    return types.void(values, weight, count, to), generate

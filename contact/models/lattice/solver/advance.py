@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.models.lattice.solver.chords import chords
-from wheelrail.contact.models.lattice.solver.factors import Factors, Lapack, fit
+from wheelrail.contact.models.lattice.solver.factors import Lapack, fit
 from wheelrail.contact.models.lattice.solver.iteration import (
     CONVERGED,
     ENTRY,
@@ -20,7 +20,7 @@ from wheelrail.contact.models.lattice.solver.iteration import (
 )
 from wheelrail.contact.models.lattice.solver.remaining import Probes, Remaining, search
 from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
-from wheelrail.contact.models.lattice.system.equations import EquationData, evaluate
+from wheelrail.contact.models.lattice.system.equations import EquationData
 from wheelrail.contact.models.lattice.system.state import moved
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import compiled
@@ -47,6 +47,7 @@ def advance(
     values: Array,
     data: EquationData,
     kept: KeptFactors,
+    earlier: bool,
     entered: bool,
     limits: Limits,
     solver: Lapack,
@@ -54,53 +55,38 @@ def advance(
     lines: ContactLines,
     barred: Nodes,
 ) -> Advance:
-    """`iterate` from values (S, block) and, where it converges or others may enter, `search` of these."""
-    return _searched(iterate(values, data, kept, entered, limits, solver), data, probes, lines, barred)
-
-
-@compiled
-def warm_start(
-    values: Array,
-    data: EquationData,
-    factors: Factors,
-    limits: Limits,
-    solver: Lapack,
-    probes: Probes,
-    lines: ContactLines,
-) -> Advance:
-    """As `advance`, from the values of an earlier solution, first by steps with its factors: these are no iterations.
+    """Iterations from values (S, block) until something happens to the strips and, where they converge or others may
+    enter, `search` of these.
 
     Parameters:
-        values: (S, block), of the earlier solution.
+        values: initial state.
         data: of the equations.
-        factors: of the earlier solution; there is no step if they are not those of as many unknowns.
-        limits: of the iteration; none of its first steps is longer than the farthest.
-        solver: LAPACK's functions.
-        probes, lines: see `search`.
+        kept: factors of an earlier state of the same strips.
+        earlier: whether these are values and factors of the solution at another pose: the first steps are taken with
+            them, and are no iterations. There is none if the factors are not those of as many unknowns.
+        entered, limits, solver: see `iterate`.
+        probes, lines, barred: see `search`.
     """
-    none, nobody = np.zeros(len(values), dtype=np.bool_), np.zeros(0, dtype=np.int64)
-    if not fit(factors, len(values), len(data.basis.marks) - 1 if data.motion.speed > 0.0 else 0, values.shape[1]):
-        kept = KeptFactors(False, factors, evaluate(values, data))
-        return _searched(Progress(TOO_LONG, values, none, np.inf, kept, 0, 0, 1), data, probes, lines, nobody)
-    steps = chords(values, data, factors, solver, limits.tolerance, limits.farthest)
-    kept, counts = KeptFactors(True, factors, steps.evaluation), (0, 0, steps.evaluations)
-    if steps.converged:
-        last = moved(steps.values, steps.step, 1.0, data.places.whole)
-        progress = Progress(CONVERGED, last, none, steps.size, kept, *counts)
-    elif steps.leaves.any():
-        progress = Progress(LEAVES, steps.values, steps.leaves, steps.size, kept, *counts)
-    elif not steps.size < limits.farthest:
-        progress = Progress(TOO_LONG, steps.values, none, steps.size, kept, *counts)
-    else:
-        ahead = iterate(steps.values, data, kept, False, limits, solver)
-        progress = Progress(*ahead[:-1], ahead.evaluations + steps.evaluations)
-    return _searched(progress, data, probes, lines, nobody)
-
-
-@compiled
-def _searched(progress: Progress, data: EquationData, probes: Probes, lines: ContactLines, barred: Nodes) -> Advance:
-    """An iteration, and `search` of the strips that may enter after it."""
+    none, evaluations, goes_on = np.zeros(len(values), dtype=np.bool_), 0, not earlier
+    progress = Progress(TOO_LONG, values, none, np.inf, kept, 0, 0, 0)
+    cells = len(data.basis.marks) - 1 if data.motion.speed > 0.0 else 0
+    if earlier and fit(kept.factors, len(values), cells, values.shape[1]):
+        steps = chords(values, data, kept.factors, solver, limits.tolerance, limits.farthest)
+        values, evaluations = steps.values, steps.evaluations
+        kept = KeptFactors(True, kept.factors, steps.evaluation)
+        if steps.converged:
+            last = moved(values, steps.step, 1.0, data.places.whole)
+            progress = Progress(CONVERGED, last, none, steps.size, kept, 0, 0, evaluations)
+        elif steps.leaves.any():
+            progress = Progress(LEAVES, values, steps.leaves, steps.size, kept, 0, 0, evaluations)
+        elif not steps.size < limits.farthest:
+            progress = Progress(TOO_LONG, values, none, steps.size, kept, 0, 0, evaluations)
+        else:
+            goes_on = True
+    if goes_on:
+        ahead = iterate(values, data, kept, entered, limits, solver)
+        progress = Progress(*ahead[:-1], ahead.evaluations + evaluations)
     if progress.event == CONVERGED or progress.event == ENTRY:
         return Advance(progress, *search(progress.values, data, probes, lines, barred))
-    nobody, none = barred[:0], np.zeros(0)
-    return Advance(progress, False, Remaining(False, nobody, none, none, none, none, none), nobody)
+    nobody, nothing = barred[:0], np.zeros(0)
+    return Advance(progress, False, Remaining(False, nobody, nothing, nothing, nothing, nothing, nothing), nobody)

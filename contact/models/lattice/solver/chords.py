@@ -14,7 +14,7 @@ from wheelrail.contact.models.lattice.solver.factors import Factors, Lapack, new
 from wheelrail.contact.models.lattice.system.equations import EquationData, Evaluation, evaluate
 from wheelrail.contact.models.lattice.system.state import inner_product, leaving, longest, moved, relative_size
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import compiled, inlined
 
 STEPS = 8  # with the same factors
 CONTRACTION = 0.5  # of a step, for another one with the same factors: Deuflhard's
@@ -45,7 +45,7 @@ class Steps(NamedTuple):
     evaluations: int
 
 
-@compiled
+@inlined
 def chords(
     values: Array, data: EquationData, factors: Factors, solver: Lapack, tolerance: float, farthest: float
 ) -> Steps:

@@ -19,7 +19,7 @@ from wheelrail.contact.models.lattice.system.equations import (
 )
 from wheelrail.contact.models.lattice.system.state import leaving, longest, moved, relative_size
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import inlined
 
 HALVINGS = 6  # of a step in the line search
 DECREASE = 0.25  # of the following step, of that of the linearised equations
@@ -92,7 +92,7 @@ NO_FACTORS = KeptFactors(
 )
 
 
-@compiled
+@inlined
 def iterate(
     values: Array, data: EquationData, kept: KeptFactors, entered: bool, limits: Limits, solver: Lapack
 ) -> Progress:
@@ -164,7 +164,7 @@ def iterate(
     return Progress(PAUSED, values, none, size, after, limits.iterations, linearisations, evaluations)
 
 
-@compiled
+@inlined
 def _searched(
     values: Array,
     step: Array,

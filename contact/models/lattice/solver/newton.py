@@ -9,7 +9,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG as TOO_FAR
-from wheelrail.contact.models.lattice.solver.advance import Advance, advance, warm_start
+from wheelrail.contact.models.lattice.solver.advance import Advance, advance
 from wheelrail.contact.models.lattice.solver.entry import UNCERTAIN, entered, entering, overlaps, probes_of
 from wheelrail.contact.models.lattice.solver.factors import SINGULAR as SINGULAR_JACOBIAN
 from wheelrail.contact.models.lattice.solver.factors import Factors, lapack
@@ -110,24 +110,20 @@ class LatticeNewton:
 
         Raises NotConverged, also if the first step exceeds farthest, and OutsideSurface.
         """
-        problem, state = self.problem, earlier.state
-        limits = Limits(self.tolerance, farthest, self._uninterrupted(state, iterations))
-        data, probes = problem.of(state.strips), probes_of(problem)
-        first = warm_start(state.values, data, earlier.factors, limits, lapack(), probes, problem.lines)
-        return self.solve(state, iterations, farthest, first)
+        kept, limits = NO_FACTORS._replace(factors=earlier.factors), Limits(self.tolerance, farthest, iterations)
+        return self.solve(earlier.state, iterations, farthest, self._advanced(earlier.state, kept, False, limits, True))
 
-    def _advanced(self, state: LatticeState, kept: KeptFactors, entered: bool, limits: Limits) -> Advance:
-        """Some iterations. Raises NotConverged."""
+    def _advanced(
+        self, state: LatticeState, kept: KeptFactors, entered: bool, limits: Limits, earlier: bool = False
+    ) -> Advance:
+        """Some iterations, as many as take no long time without a look at Ctrl-C. Raises NotConverged."""
         check_interrupt()
         if not limits.iterations:
             raise NotConverged(f"Newton's method did not converge ({len(state.strips)} strips)")
-        problem, some = self.problem, limits._replace(iterations=self._uninterrupted(state, limits.iterations))
+        problem, some = self.problem, min(limits.iterations, max(1, int(UNINTERRUPTED / state.values.size**3)))
         data, probes, barred = problem.of(state.strips), probes_of(problem), np.array(sorted(self._barred), dtype=int)
-        return advance(state.values, data, kept, entered, some, lapack(), probes, problem.lines, barred)
-
-    def _uninterrupted(self, state: LatticeState, iterations: int) -> int:
-        """Number of iterations without a look at Ctrl-C."""
-        return min(iterations, max(1, int(UNINTERRUPTED / state.values.size**3)))
+        at = state.values, data, kept, earlier, entered, limits._replace(iterations=some), lapack()
+        return advance(*at, probes, problem.lines, barred)
 
     def _counted(self, at: Progress) -> Progress:
         """Iterations, counted. Raises NotConverged and OutsideSurface where they failed."""

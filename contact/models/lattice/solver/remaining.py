@@ -14,7 +14,7 @@ from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
 from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.system.surface import GAUSS, penetration
 from wheelrail.support.arrays import Array, Mask, Nodes
-from wheelrail.support.compiled import borrowing, compiled
+from wheelrail.support.compiled import borrowing, compiled, inlined
 
 RANGE = 1.2  # half length of the probed range over that of the next loaded strip
 NARROWINGS = 6  # of the range around a maximum, to a third of it each
@@ -122,7 +122,7 @@ def _maximum(values: Array, low: float, high: float) -> tuple[float, float, floa
     return top + slope * offset - 0.5 * curvature * offset * offset, place + offset, curvature
 
 
-@compiled
+@inlined
 def remaining(values: Array, data: EquationData, probes: Probes, lines: ContactLines, free: Nodes) -> Remaining:
     """`Remaining` penetration of the strips free (n,), values (S, block) of the loaded ones."""
     n, S, last = len(free), len(values), values.shape[1] - 1

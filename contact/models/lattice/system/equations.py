@@ -26,7 +26,7 @@ from wheelrail.contact.models.lattice.system.surface import (
     rigid_shift,
 )
 from wheelrail.support.arrays import Array, Nodes, Single
-from wheelrail.support.compiled import borrowing, compiled
+from wheelrail.support.compiled import borrowing, compiled, inlined
 
 SLOPES = 10 + 2 * MODES  # of the friction residual of a cell, see `slopes_of_friction`
 
@@ -336,7 +336,7 @@ def evaluate(values: Array, data: EquationData) -> Evaluation:
     return Evaluation(inside and evaluation.inside, *evaluation[1:])
 
 
-@compiled
+@inlined
 def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array]:
     """Evaluation and operator (n, n) of a state with values (S, block).
 
