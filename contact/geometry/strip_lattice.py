@@ -11,6 +11,7 @@ from wheelrail.support.arrays import Array
 USUAL_DEPTH = 1e-4  # m, approach of a usual wheel load, for which the strips' widths are chosen
 WIDEST, NARROWEST = 1.0e-3, 0.4e-3  # m, at STRIPS over a usual patch
 STRIPS = 16
+WIDE = 3.0  # width over length of a patch, beyond which there are more strips
 SMOOTHED = 3e-3  # m, length over which the width of the strips varies
 SPACING = 1e-4  # m, of the samples from which widths are taken
 NORMAL_SAMPLES = 400
@@ -33,9 +34,13 @@ def _uniform(surfaces: QuadricStrips, strips: int, offset: float) -> Array:
     """Strips over twice the half width, that of the largest penetration, and one more on either side.
 
     The expected patch ends a quarter of a strip before a bound, where the error by whole strips, which has the period
-    of a strip, changes its sign.
+    of a strip, changes its sign. Patches that are much wider than long have more strips, in proportion: under spin
+    their longitudinal force is a small difference between both halves, off by up to 2.4 % of mu F_n on 14 strips.
     """
-    width = 2 * surfaces.semi_axis / (strips - 0.5)
+    along, across = surfaces.semi_axes
+    if across > WIDE * along:
+        strips = 2 * int(np.ceil(0.5 * strips * across / (WIDE * along)))
+    width = 2 * across / (strips - 0.5)
     count = int(np.ceil(surfaces.half_width / width))
     return np.asarray(width * (np.arange(-count - 1, count + 2) + offset))
 

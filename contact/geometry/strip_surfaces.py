@@ -116,13 +116,13 @@ class QuadricStrips:
     Parameters:
         upper, lower: principal radii in x and y, m.
         half_width: m, of the part of the surface that carries contact points.
-        semi_axis: m, across, of the expected patch.
+        semi_axes: m, along and across, of the expected patch.
     """
 
     upper: tuple[float, float]
     lower: tuple[float, float]
     half_width: float
-    semi_axis: float
+    semi_axes: tuple[float, float]
 
     def penetration_profile(self, pose: Pose, s: Array) -> PenetrationProfile:
         (ax, ay), (bx, by) = curvature(self.upper), curvature(self.lower)

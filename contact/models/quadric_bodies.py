@@ -113,7 +113,7 @@ class QuadricBodies:
         half_width = self.blocks.half_strip
         if half_width is None:
             half_width = float(np.sqrt(depth / self._curvatures[1]))
-        return QuadricStrips(*self.radii, half_width, semi_axes[1])
+        return QuadricStrips(*self.radii, half_width, semi_axes)
 
     def _half_width(self, how: Discretisation) -> float:
         """In cells; by default in coarse steps, so that one mesh and one compliance serve many scenes."""
