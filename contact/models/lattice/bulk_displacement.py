@@ -6,6 +6,7 @@ strips would seem to be many across it.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,7 +15,7 @@ import numpy as np
 from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
 from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection, hats
-from wheelrail.contact.models.lattice.influence.bulk import bulk_displacements
+from wheelrail.contact.models.lattice.influence.bulk import BulkCompliance, bulk_displacements, bulk_places
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import strip_loads
 from wheelrail.contact.models.lattice.system.penetrated_width import strips_beside_bulk
@@ -65,8 +66,8 @@ class BulkDisplacement:
         """Displacement (R,) m of the middles of some strips; beyond the lines of a body, of the last one."""
         loaded, total = self.solution.state.strips, np.zeros(len(strips))
         width, both = self.problem.width[loaded], np.concatenate([strips, loaded])
-        for which, body in self.problem.tables.bodies:
-            place, _ = self._on_lines(which, body, both)
+        for body, bulk in self._bodies:
+            place, _ = self._on_lines(body, bulk, both)
             places, middle = place[: len(strips)], place[len(strips) :]
             total += bulk_displacements(body.body.arc, body.bulk, places, middle, width, self._loads)
         return total
@@ -77,13 +78,13 @@ class BulkDisplacement:
             return np.zeros(CHANGES)
         problem, state = self.problem, self.solution.state
         by_loads, by_place = np.zeros((len(state.strips), 2)), np.zeros(len(problem.middle))
-        for which, body in problem.tables.bodies:
-            both, window = self._on_lines(which, body, np.concatenate([self.rows, state.strips]))
+        for body, bulk in self._bodies:
+            both, window = self._on_lines(body, bulk, np.concatenate([self.rows, state.strips]))
             place, loaded = both[: len(self.rows)], both[len(self.rows) :]
             arc, width = body.body.arc[window], problem.width[state.strips]
             spread = np.einsum("k,kmc->mc", weight @ hats(arc, place), body.bulk[window, window])
             by_loads += body.shares(window, loaded, width) @ spread
-            if which == 1 and problem.tables.moves:
+            if bulk.moves:
                 right = np.clip(np.searchsorted(arc, place), 1, len(arc) - 1)
                 displaced = bulk_displacements(body.body.arc, body.bulk, arc, loaded, width, self._loads)
                 slopes = np.diff(displaced) / np.diff(arc)
@@ -119,11 +120,17 @@ class BulkDisplacement:
         total[:, -1], total[:, -2] = by_length, -by_length
         return total.ravel()
 
-    def _on_lines(self, which: int, body: BodyCorrection, strips: Nodes) -> tuple[Array, slice]:
+    @property
+    def _bodies(self) -> Iterable[tuple[BodyCorrection, BulkCompliance]]:
+        """Finite bodies, each with its compliance for compiled code."""
+        tables = self.problem.tables
+        return ((body, bulk) for (_, body), bulk in zip(tables.bodies, tables.bulk, strict=True))
+
+    def _on_lines(self, body: BodyCorrection, bulk: BulkCompliance, strips: Nodes) -> tuple[Array, slice]:
         """Arc length (R,) m of the middles of strips on a body, at most on its last lines, and lines around them."""
-        width, bounds = self.problem.width[strips], body.body.bounds
-        place = self.problem.tables.places_on(which, self.problem.lines.foot)[strips]
-        place = np.minimum(np.maximum(place, bounds[0] + 0.5 * width), bounds[-1] - 0.5 * width)
+        problem, bounds = self.problem, bulk.bounds
+        width = problem.width[strips]
+        place = bulk_places(bulk, problem.middle[strips], width, problem.lines.foot[strips])
         low, high = place.argmin(), place.argmax()
         window = float(place[low] - 0.5 * width[low]), float(place[high] + 0.5 * width[high])
         return place, body.between_lines(max(window[0], bounds[0]), min(window[1], bounds[-1]))[0]

@@ -148,6 +148,11 @@ class BodyCorrection:
         """Weights (S, lines) of lines in the means over strips with middles and widths (S,) m."""
         return strip_shares(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))
 
+    def means(self, middle: Array, width: Array, part: tuple[float, float], cells: int) -> PairMeans:
+        """`pair_means` of strips with middles and widths (C,) m, which cover a part of the body between ends m."""
+        lines, between = self.between_lines(*part)
+        return pair_means(between, lines.start, self.shares(lines, middle, width), cells)
+
     def share_slopes(self, lines: slice, middle: Array, width: Array) -> Array:
         """Derivatives (S, lines) 1/m of `shares` by the middles."""
         return share_slopes(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))

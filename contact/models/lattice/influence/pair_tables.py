@@ -35,8 +35,6 @@ from wheelrail.contact.models.lattice.influence.body_correction import (
     BodyCorrection,
     PairMeans,
     complete_means,
-    pair_means,
-    strip_shares,
 )
 from wheelrail.contact.models.lattice.influence.bulk import BulkCompliance
 from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, PairGrid
@@ -170,10 +168,6 @@ class LatticeTables:
         """Compliance of the finite bodies between their lines."""
         return tuple(body.bulk_compliance(which == 1 and self.moves) for which, body in self.bodies)
 
-    def places_on(self, which: int, feet: Array) -> Array:
-        """Arc length (K,) m of the strips' middles on the upper (0) or lower (1) body; feet as for `at`."""
-        return feet if which == 1 and self.moves else self.middle
-
     @property
     def moves(self) -> bool:
         """Whether the compliance depends on where the strips lie on the lower body."""
@@ -213,10 +207,8 @@ class LatticeTables:
             return self._no_means
         lower = self._corrections[1]
         assert lower is not None
-        place, middle, width, (low, high) = strips_on_lines(self.lattice, near, feet)
-        lines, between = lower.between_lines(low, high)
-        shares = strip_shares(lower.body.arc[lines], middle, width)
-        return PoseMeans(place, pair_means(between, lines.start, shares, lower.grid.cells_up_to(reach)))
+        place, middle, width, part = strips_on_lines(self.lattice, near, feet)
+        return PoseMeans(place, lower.means(middle, width, part, lower.grid.cells_up_to(reach)))
 
     @cached_property
     def lattice(self) -> Lattice:
@@ -248,7 +240,9 @@ class LatticeTables:
         if known is None or known.smooth.values.shape[1] < cells:
             if len(self._stored_means) >= STORED:
                 self._stored_means.clear()
-            known = PoseMeans(self._places(strips), self._means(body, strips, self.middle[strips], cells))
+            middle, width = self.middle[strips], self.width[strips]
+            means = body.means(middle, width, covered_part(middle, width), cells)
+            known = PoseMeans(self._places(strips), means)
             complete_means(known.smooth)
             self._stored_means[key] = known
         return known
@@ -283,16 +277,6 @@ class LatticeTables:
         place = np.zeros(len(self.middle), dtype=int)
         place[strips] = np.arange(len(strips))
         return place
-
-    def _means(self, body: BodyCorrection, strips: Nodes, middle: Array, cells: int) -> PairMeans:
-        """Coefficients of a body's deviation, strips at middles (C,) m on it."""
-        lines, between = self._between(body, strips, middle)
-        return pair_means(between, lines.start, body.shares(lines, middle, self.width[strips]), cells)
-
-    def _between(self, body: BodyCorrection, strips: Nodes, middle: Array) -> tuple[slice, Array]:
-        """`BodyCorrection.between_lines` of strips at middles (C,) m on a body."""
-        half = 0.5 * self.width[strips]
-        return body.between_lines(float((middle - half).min()), float((middle + half).max()))
 
     def _add(self, strips: Nodes) -> None:
         """Add the tables that pairs of some strips (C,) lack."""
@@ -332,10 +316,15 @@ class LatticeTables:
         if body is None:
             return Deviation(NO_MEANS.lines, 0, NO_MEANS.share)
         middle, width = self.middle[strips], self.width[strips]
-        lines, between = self._between(body, strips, middle)
+        lines, between = body.between_lines(*covered_part(middle, width))
         share = np.zeros((len(self.middle), lines.stop - lines.start))
         share[strips] = body.shares(lines, middle, width)
         return Deviation(between, lines.start, share)
+
+
+def covered_part(middle: Array, width: Array) -> tuple[float, float]:
+    """Ends m of the part of a body that strips with middles and widths (C,) m cover."""
+    return float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max())
 
 
 @compiled

@@ -18,7 +18,7 @@ from wheelrail.contact.models.lattice.solver.iteration import (
     Progress,
     iterate,
 )
-from wheelrail.contact.models.lattice.solver.remaining import Probes, Remaining, search
+from wheelrail.contact.models.lattice.solver.remaining import Probes, Remaining, nothing_known, search
 from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
 from wheelrail.contact.models.lattice.system.equations import EquationData
 from wheelrail.contact.models.lattice.system.state import moved
@@ -33,13 +33,11 @@ class Advance(NamedTuple):
         progress: of the iteration.
         complete: whether the remaining penetration is known; False where it is not asked for or lacks tables.
         rest: remaining penetration of the strips that may enter.
-        known: (n,) strips whose tables are needed.
     """
 
     progress: Progress
     complete: bool
     rest: Remaining
-    known: Nodes
 
 
 @compiled
@@ -87,6 +85,6 @@ def advance(
         ahead = iterate(values, data, kept, entered, limits, solver)
         progress = Progress(*ahead[:-1], ahead.evaluations + evaluations)
     if progress.event == CONVERGED or progress.event == ENTRY:
-        return Advance(progress, *search(progress.values, data, probes, lines, barred))
-    nobody, nothing = barred[:0], np.zeros(0)
-    return Advance(progress, False, Remaining(False, nobody, nothing, nothing, nothing, nothing, nothing), nobody)
+        complete, rest, _ = search(progress.values, data, probes, lines, barred)
+        return Advance(progress, complete, rest)
+    return Advance(progress, False, nothing_known())

@@ -192,13 +192,19 @@ def search(
     while True:
         free = np.flatnonzero(known & ~taken)
         if not _paired(data.tables, data.places.strip, free):
-            none, nowhere = np.empty(0), free[:0]
-            return False, Remaining(False, nowhere, none, none, none, none, none), np.flatnonzero(known)
+            return False, nothing_known(), np.flatnonzero(known)
         rest = remaining(values, data, probes, lines, free)
         further = next_to_deeper(free, rest.highest, known, near)
         if not further.any():
             return True, rest, free
         known |= further
+
+
+@compiled
+def nothing_known() -> Remaining:
+    """The remaining penetration of no strip."""
+    none = np.empty(0)
+    return Remaining(False, np.empty(0, dtype=np.int64), none, none, none, none, none)
 
 
 @borrowing
