@@ -20,7 +20,7 @@ MODES = 4  # of pressure; with three, the gap left on a strip 30 times as long a
 MOMENTS = MODES + 2
 STATIONS = 6  # along a strip, at which the penetration is evaluated: it is nearly a parabola
 ORDER = 16  # of the Gauss rules below
-SPLIT = 8  # parts of a cell whose pressure displaces short strips
+PARTS = 4, 8  # of a cell whose pressure displaces short strips, nearer ones and nearest ones
 LEADING = 0.35  # fraction of the cells' grading towards the leading end alone
 
 
@@ -50,8 +50,9 @@ class StripBasis(NamedTuple):
         penetration: (MOMENTS, STATIONS) weights of the penetration there in its moments.
         cell_penetration: (M, STATIONS) the same in its means over the cells.
         longest: length of the longest cell.
-        split_marks: (N + 1,) boundaries of the cells after each is split into `SPLIT`.
-        split_edges: (N + 1, MODES) jumps of the loads of these, less `load_edges`.
+        split_marks: (N + 1,) boundaries of the most of `PARTS`.
+        split_edges: (len(PARTS), N + 1, MODES) jumps of the loads of these parts, less those of the fewer ones before,
+            at first of the cells.
     """
 
     marks: Array
@@ -116,9 +117,7 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
     difference = here if shifts else np.stack(upstream(middle[None]))[:, 0]
     fixed, loads = np.ascontiguousarray, _loads(edges, mean)  # loops take addresses
     load_edges = _jumps(loads)
-    split = np.append((edges[:-1, None] + np.diff(edges)[:, None] * np.arange(SPLIT) / SPLIT).ravel(), 1.0)
-    split_edges = _jumps(_loads(split, _mode_means(split)))
-    split_edges[::SPLIT] -= load_edges
+    split_marks, split_edges = _split(edges, load_edges)
     slip_edges = fixed(_slip_edges(difference, np.diff(row_marks)))
     moment_edges = fixed(_edge_weights(moments / np.diff(edges)))
     return StripBasis(
@@ -138,9 +137,24 @@ def _basis(edges: Array, tangential: Tangential) -> StripBasis:
         fixed(moments @ means),
         fixed(means),
         float(np.diff(edges).max()),
-        split,
+        split_marks,
         split_edges,
     )
+
+
+def _split(edges: Array, load_edges: Array) -> tuple[Array, Array]:
+    """`StripBasis.split_marks` and `StripBasis.split_edges` for cell boundaries (M + 1,) with jumps (M + 1, MODES)."""
+    changes, before, finest = [], (1, load_edges), PARTS[-1]
+    for parts in PARTS:
+        within = np.arange(parts) / parts
+        marks = np.append((edges[:-1, None] + np.diff(edges)[:, None] * within).ravel(), 1.0)
+        jumps = _jumps(_loads(marks, _mode_means(marks)))
+        change = np.zeros((finest * (len(edges) - 1) + 1, MODES))
+        change[:: finest // parts] = jumps
+        change[:: finest // before[0]] -= before[1]
+        changes.append(change)
+        before = parts, jumps
+    return marks, np.stack(changes)
 
 
 def _angles(edges: Array) -> tuple[Array, Array]:

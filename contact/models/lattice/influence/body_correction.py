@@ -20,7 +20,7 @@ from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weigh
 from wheelrail.contact.models.lattice.influence.bulk import TILE, BulkCompliance, bulk_compliance, hat_integral
 from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, CHANGES, COMPONENTS, DEGREE, REACH, PairGrid
 from wheelrail.contact.models.lattice.influence.vectors import BYTES, add_multiple
-from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.arrays import Array, Mask, Nodes, aligned
 from wheelrail.support.cache import cached, digest
 from wheelrail.support.compiled import borrowing, compiled
 
@@ -59,7 +59,7 @@ class BodyCorrection:
     def _coefficients(self) -> Array:
         """Coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) between all lines, filled by tiles."""
         lines = len(self.body.arc)
-        return np.zeros((lines, lines, len(self.grid.lower), DEGREE + 1, COMPONENTS))
+        return aligned((lines, lines, len(self.grid.lower), DEGREE + 1, COMPONENTS))
 
     @cached_property
     def bulk(self) -> Array:
@@ -275,7 +275,8 @@ NO_MEANS = PairMeans(
 def pair_means(lines: Array, first: int, share: Array, cells: int) -> PairMeans:
     """Means over strips with weights (C, n), of the first cells."""
     pairs = len(share) * (len(share) + 1) // 2
-    return PairMeans(lines, first, share, np.empty((pairs, cells, *lines.shape[3:])), np.zeros(pairs, dtype=np.int64))
+    values = aligned((pairs, cells, *lines.shape[3:]))
+    return PairMeans(lines, first, share, values, np.zeros(pairs, dtype=np.int64))
 
 
 @borrowing

@@ -8,7 +8,13 @@ from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.operator import THREE, VECTOR, StripGrid, look_up
 from wheelrail.contact.models.lattice.influence.pair_grid import NN, ROLL, TN, TN_TURN, TT, XN, XT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
-from wheelrail.contact.models.lattice.influence.short_strips import share, split_table, store_boundaries
+from wheelrail.contact.models.lattice.influence.short_strips import (
+    SplitSpace,
+    normal_table,
+    shares,
+    split_space,
+    store_split,
+)
 from wheelrail.contact.models.lattice.influence.vectors import products
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import borrowing, compiled
@@ -80,9 +86,10 @@ def normal_displacements(
     middle: Array,
     edges: Array,
     grid: StripGrid,
+    values: Array,
     jumps: Array,
-    split: Array,
     basis: StripBasis,
+    rolls: bool,
 ) -> tuple[bool, Array]:
     """Relative normal displacement (n, C) m of cells with boundaries (n, C + 1) m on n unloaded strips.
 
@@ -90,15 +97,15 @@ def normal_displacements(
         tables: of the pairs of strips.
         strips, middle: (n,) numbers of the unloaded ones, and m.
         edges: (n, C + 1) m, by length on the surface.
-        grid, jumps, split, basis: of the loaded strips, see `split_jumps`.
+        grid, values, jumps, basis: of the loaded strips.
 
     The flag is False where distances exceed the tables.
     """
-    n, C, M, N = edges.shape[0], edges.shape[1] - 1, jumps.shape[1] - 1, split.shape[1]
+    n, C, M = edges.shape[0], edges.shape[1] - 1, jumps.shape[1] - 1
     displacement = np.zeros((n, C))
-    work = np.empty((C + 1, M + 1, 8)), np.empty((C + 1, N, 8)), np.empty(N), np.empty((3, 8))
+    work = np.empty((C + 1, M + 1, 8)), np.empty((3, 8)), split_space(C + 1, basis)
     places = strips, middle, edges
-    return _store_displacements(tables, places, grid, jumps, split, basis, work, displacement), displacement
+    return _store_displacements(tables, places, grid, values, jumps, basis, rolls, work, displacement), displacement
 
 
 @borrowing
@@ -106,15 +113,16 @@ def _store_displacements(
     tables: PairTables,
     places: tuple[Nodes, Array, Array],
     grid: StripGrid,
+    values: Array,
     jumps: Array,
-    split: Array,
     basis: StripBasis,
-    work: tuple[Array, Array, Array, Array],
+    rolls: bool,
+    work: tuple[Array, Array, SplitSpace],
     displacement: Array,
 ) -> bool:
-    """Fill `normal_displacements`, which are zero; work: (C + 1, M + 1, 8), (C + 1, N + 1, 8), (N + 1,) and (3, 8)."""
+    """Fill `normal_displacements`, which are zero; work: (C + 1, M + 1, 8), (3, 8) and that of C + 1 rows."""
     strips, middle, edges = places
-    G, fine, columns, sums = work
+    G, sums, split = work
     n, C = edges.shape[0], edges.shape[1] - 1
     S, M = jumps.shape[0], jumps.shape[1] - 1
     for i in range(n):
@@ -130,16 +138,16 @@ def _store_displacements(
                 if r > 0:
                     displacement[i, r - 1] += (total - before) / (edges[i, r] - edges[i, r - 1])
                 before = total
-            part, _, _ = share(0.0, grid.length[j], abs(middle[i] - grid.middle[j]), basis)
-            if part == 0.0:
+            count = shares(0.0, grid.length[j], abs(middle[i] - grid.middle[j]), basis, split.shares)
+            if count == 0:
                 continue
-            store_boundaries(grid, j, basis, columns)
-            if not split_table(tables, strips[i], grid.strip[j], edges[i], columns, fine, None):
+            N, _ = store_split(values, grid, j, basis, count, 1, rolls, split)
+            if not normal_table(tables, strips[i], grid.strip[j], edges[i], split.boundaries[:N], split.G, None):
                 return False
             for r in range(C + 1):
                 total = 0.0
-                for c in range(len(columns)):
-                    total += part * fine[r, c, NN] * split[j, c]
+                for c in range(N):
+                    total += split.G[r, c] * split.jumps[0, c]
                 if r > 0:
                     displacement[i, r - 1] += (total - before) / (edges[i, r] - edges[i, r - 1])
                 before = total

@@ -51,6 +51,13 @@ class StripGrid(NamedTuple):
 
 
 @borrowing
+def table_cell(z: float) -> tuple[int, float]:
+    """Cell of a table at z = 1 + |x| / start, and z less its lower bound."""
+    top = bits(z) >> SHIFT
+    return top - BIAS, z - double(top << SHIFT)
+
+
+@borrowing
 def look_up(
     tables: PairTables, i: int, j: int, rows: Array, columns: Array, G: Array, H: Array | None, turn: float = 1.0
 ) -> bool:
@@ -61,7 +68,7 @@ def look_up(
     """
     whole = len(tables.smooth.values) == 0
     farthest = max(abs(rows[0] - columns[-1]), abs(rows[-1] - columns[0]))
-    far = (bits(farthest / SMOOTH_START + 1.0) >> SHIFT) - BIAS + 1  # cells up to there
+    far = table_cell(farthest / SMOOTH_START + 1.0)[0] + 1  # cells up to there
     row = 0 if whole else pair_row(tables.smooth, tables.place[i], tables.place[j], far)
     smooth = tables.values if whole else tables.smooth.values[row]
     pair = tables.pair[i, j]
@@ -76,25 +83,21 @@ def look_up(
         for c in range(len(columns)):
             x = rows[r] - columns[c]
             sign, away = turn * np.copysign(1.0, x), abs(x)
-            z = away * inverse + 1.0
-            top = bits(z) >> SHIFT
-            cell = top - BIAS
+            cell, u = table_cell(away * inverse + 1.0)
             if cell >= last:
                 return False
             at = VECTOR * (r * wide + c)
-            own = start + BLOCK * cell, z - double(top << SHIFT), inverse
+            own = start + BLOCK * cell, u, inverse
             if whole:
                 if H is None:
                     polynomials((own,), sign, to + at, None)
                 else:
                     polynomials((own,), sign, to + at, H.ctypes.data + at)
                 continue
-            z = away * smooth_inverse + 1.0
-            top = bits(z) >> SHIFT
-            cell = top - BIAS
+            cell, u = table_cell(away * smooth_inverse + 1.0)
             if cell >= smooth_last:
                 return False
-            other = smooth_start + BLOCK * cell, z - double(top << SHIFT), smooth_inverse
+            other = smooth_start + BLOCK * cell, u, smooth_inverse
             if H is None:
                 polynomials((own, other), sign, to + at, None)
             else:

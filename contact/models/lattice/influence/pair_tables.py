@@ -47,7 +47,7 @@ from wheelrail.contact.models.lattice.influence.pair_samples import (
     start_of,
 )
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
-from wheelrail.support.arrays import Array, Mask, Nodes
+from wheelrail.support.arrays import Array, Mask, Nodes, aligned
 from wheelrail.support.compiled import compiled
 
 GROWTH = 1.5  # of the storage
@@ -129,7 +129,7 @@ class LatticeTables:
     _used: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
-        self._values = np.zeros((4096, DEGREE + 1, COMPONENTS))
+        self._values = aligned((4096, DEGREE + 1, COMPONENTS))
         self.middle = 0.5 * (self.sides[1:] + self.sides[:-1])
         self.width = np.diff(self.sides)
         tangent = self.operators.upper._tangents(self.middle)
@@ -289,7 +289,7 @@ class LatticeTables:
         count = np.array([count_of(length) for length in start.tolist()])
         bounds = self._used + np.concatenate([[0], np.cumsum(count)])
         if bounds[-1] > len(self._values):
-            larger = np.zeros((int(GROWTH * bounds[-1]), DEGREE + 1, COMPONENTS))
+            larger = aligned((int(GROWTH * bounds[-1]), DEGREE + 1, COMPONENTS))
             larger[: self._used] = self._values[: self._used]
             self._values = larger
         fill(self.strips, pairs, self._half_spaces, self._deviations(strips), bounds, self._values)

@@ -9,7 +9,6 @@ import numpy as np
 from wheelrail.contact.models.lattice.influence.basis import StripBasis
 from wheelrail.contact.models.lattice.influence.cell_compliance import normal_displacements
 from wheelrail.contact.models.lattice.influence.pair_tables import Lattice, PairTables
-from wheelrail.contact.models.lattice.influence.short_strips import split_jumps
 from wheelrail.contact.models.lattice.system.contact_lines import ContactLines
 from wheelrail.contact.models.lattice.system.equations import EquationData, force_jumps, strip_grid
 from wheelrail.contact.models.lattice.system.surface import GAUSS, penetration
@@ -87,9 +86,8 @@ def excess(
             edges[i, r] = lattice.stretch[strips[i]] * (low[i] + (high[i] - low[i]) * basis.marks[r])
     grid, rolls = strip_grid(values, data.places, data.basis), motion.speed > 0.0
     jumps = force_jumps(values, data.places, data.basis, rolls)
-    split = split_jumps(values, data.places.width, data.basis, rolls)
     inside, total = normal_displacements(
-        data.tables, strips, lattice.middle[strips], edges, grid, jumps, split, data.basis
+        data.tables, strips, lattice.middle[strips], edges, grid, values, jumps, data.basis, rolls
     )
     depth = penetration(data.surface, motion.origin, motion.rotation, s, x).depth
     for i in range(n):

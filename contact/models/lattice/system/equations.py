@@ -13,7 +13,6 @@ from wheelrail.contact.models.lattice.influence.pair_tables import PairTables
 from wheelrail.contact.models.lattice.influence.short_strips import (
     add_short_strips,
     add_short_strips_derivative,
-    split_jumps,
 )
 from wheelrail.contact.models.lattice.system.partial_width import opening
 from wheelrail.contact.models.lattice.system.surface import (
@@ -239,10 +238,9 @@ def displacements(values: Array, grid: StripGrid, jumps: Array, data: EquationDa
     """Whether all distances lie in the tables, and the antiderivative V (S, M + 3, 3) of the displacements, by jumps
     (S, M + 1, 3) N/m of `force_jumps`.
     """
-    places, basis = data.places, data.basis
+    basis = data.basis
     inside, V = antiderivatives(data.tables, grid, jumps)
-    split = split_jumps(values, places.width, basis, data.motion.speed > 0.0)
-    return inside and add_short_strips(data.tables, grid, split, basis, V), V
+    return inside and add_short_strips(data.tables, grid, values, basis, data.motion.speed > 0.0, V), V
 
 
 @compiled
@@ -347,8 +345,7 @@ def linearise(values: Array, data: EquationData) -> tuple[Evaluation, Array]:
     rolls = data.motion.speed > 0.0
     grid = strip_grid(values, places, basis)
     inside, A, V = operator(data.tables, grid, force_jumps(values, places, basis, rolls), basis, rolls)
-    split = split_jumps(values, places.width, basis, rolls)
-    inside = inside and add_short_strips_derivative(data.tables, grid, split, basis, rolls, A, V)
+    inside = inside and add_short_strips_derivative(data.tables, grid, values, basis, rolls, A, V)
     evaluation = _assembled(values, V, grid, data)
     if rolls:
         _add_friction(values, evaluation, data)
