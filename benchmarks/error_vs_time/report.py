@@ -22,17 +22,17 @@ from benchmarks.error_vs_time.cases import creep_cases, timing_case
 from benchmarks.error_vs_time.plan import measured
 from benchmarks.error_vs_time.reference import WARM_GAIN, contact_rows, extrapolated, long_cell_rows
 from benchmarks.error_vs_time.sampled import sampled_cases
-from benchmarks.error_vs_time.wheel_on_rail import LATERAL, strip_rows
+from benchmarks.error_vs_time.wheel_on_rail import ASIDE, DEEPER, FINEST, LATERAL, strip_rows
 from benchmarks.error_vs_time.wheel_on_rail import contact_rows as wheel_contact_rows
 from benchmarks.scaling.report import progress
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
-FINEST, QUICK_FINEST = LatticeResolution(32, 20), LatticeResolution(24, 16)
+REFERENCE, QUICK_REFERENCE = LatticeResolution(32, 20), LatticeResolution(24, 16)
 SAMPLED, QUICK_SAMPLED = 40, 4  # random ellipses
 TITLES = {
     "normal": "Normal contact alone",
     "rolling": "Rolling with xi, eta and spin",
-    "wheel": "One wheel under its load, from cold",
+    "wheel": "One wheel under its load from cold, and at its height",
 }
 EVERY, QUICK_EVERY = 6, 15  # of the 132 cases, one in so many
 
@@ -67,6 +67,10 @@ WHEEL: list[Column] = [
     ("patches", lambda row: row["patches"]),
     ("solves", lambda row: row.get("solves")),
     *COMMON[4:],
+    _ms("cold"),
+    _ms("warm"),
+    _percent("force error", "% of mu F_n", ""),
+    _percent("peak error", "%", ""),
 ]
 
 
@@ -111,7 +115,9 @@ over the ellipse, which is more accurate at equal times, errors over 40 other ra
 against its own extrapolation; warm: its warm starts are 1.6 to 2 times quicker, shown at {WARM_GAIN:g}.
 - One wheel: S1002 on UIC60, half-spaces, all solves of the search for the height under the load. CONTACT's file has \
 loads and numbers of patches, not the position: ours is y = {1e3 * LATERAL[1]:g} mm with one patch and \
-{1e3 * LATERAL[2]:g} mm with two."""
+{1e3 * LATERAL[2]:g} mm with two. cold, warm: one solve at this height, without an earlier result and along a path of \
+steps of {1e6 * ASIDE:g} um aside and {1e6 * DEEPER:g} um down. Errors: differences from {FINEST[0]} x {FINEST[1]} of \
+the tangential force and of the peak pressure of the smaller patch."""
 
 
 def main() -> None:
@@ -132,7 +138,7 @@ def main() -> None:
     logging.disable(logging.WARNING)  # notes of UFL and FFCx on quadrature would disturb the tables
     machine, began = machine_description(), perf_counter()
     print(machine, flush=True)
-    finest, every = (QUICK_FINEST, QUICK_EVERY) if arguments.quick else (FINEST, EVERY)
+    finest, every = (QUICK_REFERENCE, QUICK_EVERY) if arguments.quick else (REFERENCE, EVERY)
     sampled = sampled_cases(QUICK_SAMPLED if arguments.quick else SAMPLED, arguments.seed)
     against = extrapolated(finest, (*creep_cases(every), *sampled), progress)
     rows: list[Row] = [

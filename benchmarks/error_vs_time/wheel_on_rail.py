@@ -1,8 +1,9 @@
-"""Times of one wheel under a load from cold, with one patch and with two, beside CONTACT's."""
+"""Times and errors of one wheel with one patch and with two: under a load, and at its height cold and warm."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from time import process_time
 
 import numpy as np
@@ -12,8 +13,11 @@ from benchmarks.common.models import PairTrack, frictional, wheelset_model
 from benchmarks.common.reference_table import reference
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.loading.wheelset import wheel_under_load
+from wheelrail.contact.loading.wheelset import WheelsetEquilibrium, wheel_under_load
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
 
 TASK = "wheel"
 FRICTION, SPEED, RADIUS = 0.3, 20.0, 0.46  # -, m/s, m
@@ -21,7 +25,9 @@ LATERAL = {1: 0.0, 2: 5e-3}  # m, position of the wheelset with so many patches 
 SIZE = 1e-3  # m, between the lines under the strips
 EXPECTED = 1e-4  # m, approach under the load
 DX = (0.4, 0.2)  # mm, elements of CONTACT
-REPEATS = 5
+FINENESSES, FINEST = ((6, 12), (8, 10), (14, 12)), (24, 18)
+ASIDE, DEEPER = 5e-6, 1e-7  # m, of a step of a path of warm solves
+REPEATS = 7
 
 
 def contact_rows() -> Iterator[Row]:
@@ -40,29 +46,70 @@ def contact_rows() -> Iterator[Row]:
 
 
 def strip_rows() -> Iterator[Row]:
-    """Times of strips on half-spaces at the default, at the same loads and numbers of patches.
+    """Strips on half-spaces at the same loads and numbers of patches.
 
-    Raises RuntimeError for another number of patches.
+    Errors are differences from the finest strips and cells: force, of the tangential force in % of mu F_n, and peak, of
+    the peak pressure of the smaller patch in %. Raises RuntimeError for another number of patches.
     """
-    fineness = LatticeResolution()
     model = wheelset_model(PairTrack(Material()), frictional(FRICTION), SIZE, bodies="half-space")
     for row in reference("contact_grids")["wheel_on_rail"]["rows"]:
         state = WheelsetState(y=LATERAL[row["patches"]], speed=SPEED, pitch_rate=SPEED / RADIUS)
-        timings = []
-        for _ in range(REPEATS + 1):  # the first one computes what all share
-            began = process_time()
-            equilibrium = wheel_under_load(model, state, "left", 1e3 * row["load_kN"], expected=EXPECTED)
-            timings.append(process_time() - began)
-        patches = len(equilibrium.results["left"].patches)
-        if patches != row["patches"]:
-            raise RuntimeError(f"{row['load_kN']} kN: {patches} patches, must be {row['patches']}")
-        yield {
-            "task": TASK,
-            "family": "lattice, half-space",
-            "division": f"{fineness.strips} x {fineness.cells}",
-            "load": row["load_kN"],
-            "patches": patches,
-            "solves": equilibrium.solves,
-            "least": min(timings[1:]),
-            "median": float(np.median(timings[1:])),
-        }
+        exact = None
+        for fineness in (FINEST, *FINENESSES):
+            tuned = replace(model, model=replace(model.model, resolution=LatticeResolution(*fineness)))
+            measured, found = _wheel(tuned, state, 1e3 * row["load_kN"])
+            if measured["patches"] != row["patches"]:
+                raise RuntimeError(f"{row['load_kN']} kN: {measured['patches']} patches, must be {row['patches']}")
+            if exact is None:
+                exact = found
+                continue
+            yield {
+                "task": TASK,
+                "family": "lattice, half-space",
+                "division": f"{fineness[0]} x {fineness[1]}",
+                "load": row["load_kN"],
+                "force error": float(100 * np.linalg.norm((found - exact)[:2])),
+                "peak error": float(100 * abs(found[2] / exact[2] - 1)),
+                **measured,
+            }
+
+
+def _wheel(model: WheelsetContact, state: WheelsetState, load: float) -> tuple[Row, Array]:
+    """Times, numbers of patches and solves; tangential forces over mu F_n, and the peak pressure Pa of the smaller
+    patch.
+    """
+
+    def under_load() -> WheelsetEquilibrium:
+        return wheel_under_load(model, state, "left", load, expected=EXPECTED)
+
+    equilibrium = under_load()
+    here, result = equilibrium.state, equilibrium.results["left"]
+
+    def at(steps: int, guess: ContactResult | None) -> ContactResult:
+        return model(replace(here, y=here.y + ASIDE * steps, z=here.z + DEEPER * steps), "left", guess)
+
+    guess, warm = at(-REPEATS - 1, None), []
+    for steps in range(-REPEATS, 1):
+        began = process_time()
+        guess = at(steps, guess)
+        warm.append(process_time() - began)
+    timings, cold = _processor_times(under_load), _processor_times(lambda: at(0, None))
+    smaller = min(result.patches, key=lambda patch: patch.area)
+    return {
+        "patches": len(result.patches),
+        "solves": equilibrium.solves,
+        "least": min(timings),
+        "median": float(np.median(timings)),
+        "cold": float(np.median(cold)),
+        "warm": float(np.median(warm)),
+    }, np.array([*result.force[:2] / (FRICTION * result.force[2]), smaller.max_pressure])
+
+
+def _processor_times(solve: Callable[[], object]) -> list[float]:
+    """Seconds of repeated calls."""
+    timings = []
+    for _ in range(REPEATS):
+        began = process_time()
+        solve()
+        timings.append(process_time() - began)
+    return timings
