@@ -40,7 +40,7 @@ from wheelrail.contact.models.lattice.system.state import LatticeState, leaving
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import LINE, Array
 
 STEEL = Material()
 RADIUS, SPEED = 0.46, 20.0
@@ -407,6 +407,8 @@ def test_normal_component_of_tables(bodies: Literal["half-space", "waveguide"]) 
     strips, length = np.arange(4, 7), 9e-3
     near = np.isin(np.arange(len(model.tables.width)), strips)
     tables = model.tables.of(strips, model.tables.at(near, model.tables.middle, length))
+    for values in (tables.values, tables.smooth.values):
+        assert values.size == 0 or values.ctypes.data % LINE == 0  # of the cache
     rows, columns = np.linspace(-4e-3, 4e-3, 9), np.linspace(-3e-3, 4.5e-3, 12)
     every, slopes = np.empty((9, 12, 8)), np.empty((9, 12, 8))
     assert look_up(tables, 4, 6, rows, columns, every, slopes)
