@@ -13,7 +13,7 @@ from benchmarks.error_vs_time.reference import Reference, Say
 from wheelrail.contact.models.discretisation import Bodies, Model
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
-FINENESSES = ((8, 6), (8, 8), (8, 10), (10, 12), (14, 12), (24, 16))
+FINENESSES = ((8, 6), (8, 8), (8, 10), (10, 12), (12, 14), (14, 12), (24, 16))
 QUICK_FINENESSES = ((8, 6), (8, 10), (14, 12))
 SIZES, QUICK_SIZES = (50, 100, 200, 400, 800), (50, 200)
 SOFT = 200  # points, where laws are compared

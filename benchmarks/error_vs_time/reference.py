@@ -57,9 +57,14 @@ class Reference:
 
 
 def extrapolated(finest: LatticeResolution, cases: Sequence[TimedCase], say: Say) -> Reference:
-    """Reference whose order is that of the RMS of differences of three solutions as cells are halved."""
+    """Reference whose order is that of the RMS of differences of three solutions as cells are halved.
+
+    Raises ValueError where strips or cells cannot be halved twice, RuntimeError where the forces do not converge.
+    """
     all_cases = (timing_case(), *cases)
-    levels = [finest.coarsened().coarsened(), finest.coarsened(), finest]
+    levels = [LatticeResolution(finest.strips // k, finest.cells // k) for k in (4, 2, 1)]
+    if finest.strips % 4 or finest.cells % 4:
+        raise ValueError(f"numbers of strips and cells must be multiples of 4, got {finest.strips} and {finest.cells}")
     solutions = []
     for fineness in levels:
         variant = ModelVariant("reference", "half-space", fineness)

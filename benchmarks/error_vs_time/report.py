@@ -27,7 +27,7 @@ from benchmarks.error_vs_time.wheel_on_rail import contact_rows as wheel_contact
 from benchmarks.scaling.report import progress
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
-REFERENCE, QUICK_REFERENCE = LatticeResolution(32, 20), LatticeResolution(24, 16)
+REFERENCE, QUICK_REFERENCE = LatticeResolution(32, 24), LatticeResolution(24, 24)
 SAMPLED, QUICK_SAMPLED = 40, 4  # random ellipses
 TITLES = {
     "normal": "Normal contact alone",

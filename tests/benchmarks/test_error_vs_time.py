@@ -57,6 +57,12 @@ def test_an_extrapolation_needs_convergence(monkeypatch: pytest.MonkeyPatch) -> 
         extrapolated(LatticeResolution(24, 32), (), lambda _: None)
 
 
+@pytest.mark.parametrize("finest", [(24, 18), (32, 20)])
+def test_cells_of_a_reference_can_be_halved_twice(finest: tuple[int, int]) -> None:
+    with pytest.raises(ValueError, match="must be"):
+        extrapolated(LatticeResolution(*finest), (), lambda _: None)
+
+
 def test_errors_of_contact_are_those_of_its_grids() -> None:
     every = contact_rows(np.array(timing_case().contact_forces))
     found = {task: [row for row in every if row["task"] == task] for task in ("normal", "rolling")}
@@ -77,15 +83,22 @@ def test_long_cells_are_contacts_fair_settings() -> None:
 
 def test_one_wheel_with_one_and_two_patches_stands_beside_contact(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(wheel_on_rail, "REPEATS", 1)
+    monkeypatch.setattr(wheel_on_rail, "FINENESSES", ((8, 10), (14, 12)))
     strips, contact = list(wheel_on_rail.strip_rows()), list(wheel_on_rail.contact_rows())
-    assert [(row["load"], row["patches"]) for row in strips] == [(80, 1), (70, 2), (25, 2)]
+    cases = [(80, 1), (70, 2), (25, 2)]
+    assert [(row["load"], row["patches"], row["division"]) for row in strips] == [
+        (*case, division) for case in cases for division in ("8 x 10", "14 x 12")
+    ]
     assert [row["median"] for row in contact] == [0.201, 3.49, 0.044, 0.328, 0.02, 0.12]
     assert all(row["solves"] > 2 and 0 < row["least"] <= row["median"] for row in strips)
+    assert all(row["warm"] > 0 and row["cold"] > 0 for row in strips)
+    assert all(row["force error"] < 0.5 for row in strips)  # % of mu F_n
+    assert all(row["peak error"] < 10 for row in strips)  # %, of four strips at 25 kN
     axis = Figure().subplots()
     wheel_panel(axis, [*strips, *contact])
     places = [(line.get_xdata()[0], line.get_ydata()[0]) for line in axis.lines]
-    assert places[:3] == [(1e3 * row["median"], k) for k, row in enumerate(strips)]
-    assert [place for _, place in places[3:]] == [0, 0, 1, 1, 2, 2]
+    assert places[:6] == [(1e3 * row["median"], k // 2) for k, row in enumerate(strips)]
+    assert [place for _, place in places[6:]] == [0, 0, 1, 1, 2, 2]
     names = [label.get_text() for label in axis.get_yticklabels()]
     assert names == ["80 kN\n1 patch", "70 kN\n2 patches", "25 kN\n2 patches"]
 
