@@ -91,11 +91,12 @@ def draw(path: Path, rows: Sequence[Row]) -> None:
 def wheel_panel(axis: Any, rows: Sequence[Row]) -> None:
     """Times of one wheel under its load, by load and number of patches."""
     cases = list(dict.fromkeys((row["load"], row["patches"]) for row in rows))
+    divisions = list(dict.fromkeys(row["division"] for row in rows))
     for row in rows:
         colour, marker = STYLES[row["family"]]
-        place = cases.index((row["load"], row["patches"]))
+        place, turn = cases.index((row["load"], row["patches"])), divisions.index(row["division"]) % 2
         axis.plot(1e3 * row["median"], place, color=colour, marker=marker, ms=10, ls="none")
-        above = 9 if row["family"] == "CONTACT" else -17  # points
+        above = 9 + 11 * turn if row["family"] == "CONTACT" else -17 - 11 * turn  # points
         at = 1e3 * row["median"], place
         axis.annotate(row["division"], at, (0, above), textcoords="offset points", fontsize=8, ha="center")
     names = [f"{load:g} kN\n{count} patch{'es' * (count > 1)}" for load, count in cases]
