@@ -88,7 +88,7 @@ def normal_table(
     whole = len(tables.smooth.values) == 0
     first, last = min(displaced, loaded), max(displaced, loaded)
     farthest = max(abs(rows[0] - columns[-1]), abs(rows[-1] - columns[0]))
-    smooth, start = tables.values, 0
+    smooth = tables.values
     if not whole:
         far = table_cell(farthest / SMOOTH_START + 1.0)[0] + 1  # cells up to there
         smooth = tables.smooth.values[pair_row(tables.smooth, tables.place[first], tables.place[last], far)]
