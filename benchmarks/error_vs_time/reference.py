@@ -62,9 +62,9 @@ def extrapolated(finest: LatticeResolution, cases: Sequence[TimedCase], say: Say
     Raises ValueError where strips or cells cannot be halved twice, RuntimeError where the forces do not converge.
     """
     all_cases = (timing_case(), *cases)
-    levels = [LatticeResolution(finest.strips // k, finest.cells // k) for k in (4, 2, 1)]
     if finest.strips % 4 or finest.cells % 4:
         raise ValueError(f"numbers of strips and cells must be multiples of 4, got {finest.strips} and {finest.cells}")
+    levels = [LatticeResolution(finest.strips // k, finest.cells // k) for k in (4, 2, 1)]
     solutions = []
     for fineness in levels:
         variant = ModelVariant("reference", "half-space", fineness)

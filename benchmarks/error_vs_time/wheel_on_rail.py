@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from time import process_time
 
 import numpy as np
@@ -54,36 +55,48 @@ def strip_rows() -> Iterator[Row]:
     model = wheelset_model(PairTrack(Material()), frictional(FRICTION), SIZE, bodies="half-space")
     for row in reference("contact_grids")["wheel_on_rail"]["rows"]:
         state = WheelsetState(y=LATERAL[row["patches"]], speed=SPEED, pitch_rate=SPEED / RADIUS)
-        exact = None
-        for fineness in (FINEST, *FINENESSES):
-            tuned = replace(model, model=replace(model.model, resolution=LatticeResolution(*fineness)))
-            measured, found = _wheel(tuned, state, 1e3 * row["load_kN"])
-            if measured["patches"] != row["patches"]:
-                raise RuntimeError(f"{row['load_kN']} kN: {measured['patches']} patches, must be {row['patches']}")
-            if exact is None:
-                exact = found
-                continue
+        load = 1e3 * row["load_kN"]
+        exact = _figures(_under_load(_resolved(model, FINEST), state, load))
+        for fineness in FINENESSES:
+            tuned = _resolved(model, fineness)
+            equilibrium = _under_load(tuned, state, load)
+            found, patches = _figures(equilibrium), len(equilibrium.results["left"].patches)
+            if patches != row["patches"]:
+                raise RuntimeError(f"{row['load_kN']} kN: {patches} patches, must be {row['patches']}")
+            timings = _processor_times(partial(_under_load, tuned, state, load))
             yield {
                 "task": TASK,
                 "family": "lattice, half-space",
                 "division": f"{fineness[0]} x {fineness[1]}",
                 "load": row["load_kN"],
+                "patches": patches,
+                "solves": equilibrium.solves,
+                "least": min(timings),
+                "median": float(np.median(timings)),
                 "force error": float(100 * np.linalg.norm((found - exact)[:2])),
                 "peak error": float(100 * abs(found[2] / exact[2] - 1)),
-                **measured,
+                **_single_solves(tuned, equilibrium.state),
             }
 
 
-def _wheel(model: WheelsetContact, state: WheelsetState, load: float) -> tuple[Row, Array]:
-    """Times, numbers of patches and solves; tangential forces over mu F_n, and the peak pressure Pa of the smaller
-    patch.
-    """
+def _resolved(model: WheelsetContact, fineness: tuple[int, int]) -> WheelsetContact:
+    """The model on other numbers of strips and cells."""
+    return replace(model, model=replace(model.model, resolution=LatticeResolution(*fineness)))
 
-    def under_load() -> WheelsetEquilibrium:
-        return wheel_under_load(model, state, "left", load, expected=EXPECTED)
 
-    equilibrium = under_load()
-    here, result = equilibrium.state, equilibrium.results["left"]
+def _under_load(model: WheelsetContact, state: WheelsetState, load: float) -> WheelsetEquilibrium:
+    return wheel_under_load(model, state, "left", load, expected=EXPECTED)
+
+
+def _figures(equilibrium: WheelsetEquilibrium) -> Array:
+    """Tangential forces (2,) over mu F_n, and the peak pressure Pa of the smaller patch."""
+    result = equilibrium.results["left"]
+    smaller = min(result.patches, key=lambda patch: patch.area)
+    return np.array([*result.force[:2] / (FRICTION * result.force[2]), smaller.max_pressure])
+
+
+def _single_solves(model: WheelsetContact, here: WheelsetState) -> Row:
+    """Seconds of a solve at a state from cold, and on a path that ends there."""
 
     def at(steps: int, guess: ContactResult | None) -> ContactResult:
         return model(replace(here, y=here.y + ASIDE * steps, z=here.z + DEEPER * steps), "left", guess)
@@ -93,16 +106,8 @@ def _wheel(model: WheelsetContact, state: WheelsetState, load: float) -> tuple[R
         began = process_time()
         guess = at(steps, guess)
         warm.append(process_time() - began)
-    timings, cold = _processor_times(under_load), _processor_times(lambda: at(0, None))
-    smaller = min(result.patches, key=lambda patch: patch.area)
-    return {
-        "patches": len(result.patches),
-        "solves": equilibrium.solves,
-        "least": min(timings),
-        "median": float(np.median(timings)),
-        "cold": float(np.median(cold)),
-        "warm": float(np.median(warm)),
-    }, np.array([*result.force[:2] / (FRICTION * result.force[2]), smaller.max_pressure])
+    cold = _processor_times(lambda: at(0, None))
+    return {"cold": float(np.median(cold)), "warm": float(np.median(warm))}
 
 
 def _processor_times(solve: Callable[[], object]) -> list[float]:
