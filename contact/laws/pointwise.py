@@ -1,7 +1,7 @@
 """Laws as compiled loops over points, generated from their UFL expressions.
 
 UFL is imported only where no generated source is cached: sources of the laws of this package are stored beside the
-machine code, in a folder that changes with the package; those of other laws are generated once in each process.
+machine code, with a hash of what generates them; those of other laws are generated once in each process.
 """
 
 from __future__ import annotations
@@ -25,7 +25,8 @@ from wheelrail.contact.laws.friction import Coulomb, FallingFriction, FrictionLa
 from wheelrail.contact.laws.normal import NormalLaw, Penalty, PowerPenalty
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.atomic_file import atomic_file
-from wheelrail.support.compiled import address, compiled, folder
+from wheelrail.support.compiled import address, compiled
+from wheelrail.support.machine_code import digest, folder
 
 NUMBERS = types.CPointer(types.float64)
 COUNTS = types.CPointer(types.int64)
@@ -181,6 +182,7 @@ def _code(kind: str, law: Any, source: Callable[[Any], str], functions: tuple[st
     if key not in _codes:
         text, path = _source(kind, law, source)
         code = ModuleType(f"wheelrail_law_{path.stem}")
+        code.__dict__["DIGEST"] = hashlib.sha256(text.encode()).hexdigest()[:12]  # of its machine code
         sys.modules[code.__name__] = code  # machine code is loaded by the name of its module
         exec(compile(text, path.name, "exec"), code.__dict__)
         for name in functions:
@@ -193,7 +195,7 @@ def _source(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Pat
     """Source of a law's class, from the cache if possible, and its file."""
     place = folder()
     if is_shipped(law):
-        path = (place or Path()) / f"{kind}_{type(law).__name__}_{_ufl_stamp()}.generated"
+        path = (place or Path()) / _file_name(f"{kind}_{type(law).__name__}", _ufl_stamp())
         text = _stored(path)
         if text is not None:
             return text, path
@@ -207,6 +209,10 @@ def _source(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Pat
     return text, path
 
 
+def _file_name(law: str, stamp: str) -> str:
+    return f"{law}_{digest(__name__)}_{stamp}.generated"
+
+
 def store_sources(place: Path) -> None:
     """Write the sources of all laws of this package into a folder of machine code, for processes without UFL.
 
@@ -218,7 +224,7 @@ def store_sources(place: Path) -> None:
     sources = {f"friction_{type(law).__name__}": friction_source(law) for law in FRICTION_LAWS}
     sources |= {f"normal_{type(law).__name__}": pressure_source(law) for law in NORMAL_LAWS}
     for name, source in sources.items():
-        (place / f"{name}_{WITHOUT_UFL}.generated").write_text(_with_checksum(source), encoding="utf-8")
+        (place / _file_name(name, WITHOUT_UFL)).write_text(_with_checksum(source), encoding="utf-8")
 
 
 def _ufl_stamp() -> str:

@@ -11,9 +11,10 @@ import pytest
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError
 
-from wheelrail.support.compiled import COMPILED, borrowing
+from wheelrail.support.compiled import borrowing
 
 ROOT = Path(__file__).parents[2]
+COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled")  # folders of compiled functions
 
 
 def borrowing_functions() -> list[Any]:

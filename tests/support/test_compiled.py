@@ -15,12 +15,13 @@ import pytest
 
 from wheelrail.contact.models.standard.polach import polach
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import SOURCES, borrowing, compiled, private
+from wheelrail.support.compiled import borrowing, compiled
+from wheelrail.support.machine_code import digest, private
 
 ROOT = Path(__file__).parents[2]
 USES = "from wheelrail.support.compiled import compiled\n"
 OUTER = USES + "from wheelrail.contact.deep.inner import inner\n@compiled\ndef outer(x):\n    return inner(x)\n"
-INNER = USES + "@compiled\ndef inner(x):\n    return {} * x\n"
+INNER = '"""Module."""\n' + USES + "@compiled\ndef inner(x):\n    'Text.'\n    return {} * x\n"
 
 
 def said(folder: Path) -> str:
@@ -28,7 +29,7 @@ def said(folder: Path) -> str:
         "from wheelrail.contact.outer import outer; from numba import config;"
         "print(outer(2.0), sum(outer.stats.cache_hits.values()), repr(config.CACHE_DIR))"
     )
-    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    environment = {**os.environ, "PYTHONPATH": str(folder), "WHEELRAIL_CACHE": str(folder / "cache")}
     environment.pop("NUMBA_CACHE_DIR", None)
     run = subprocess.run(
         [sys.executable, "-c", code], env=environment, cwd=folder, capture_output=True, text=True, check=True
@@ -36,38 +37,56 @@ def said(folder: Path) -> str:
     return run.stdout.strip()
 
 
-def test_change_in_a_called_file_is_detected(tmp_path: Path) -> None:
-    root = tmp_path / "wheelrail"
-    for package in (root, root / "support", root / "meshes", root / "contact", root / "contact" / "deep"):
-        package.mkdir()
-        (package / "__init__.py").touch()
-    for name in ("compiled.py", "cache.py", "cache_home.py", "atomic_file.py"):
+def package(root: Path) -> Path:
+    for folder in (root, root / "support", root / "meshes", root / "contact", root / "contact" / "deep"):
+        folder.mkdir(parents=True)
+        (folder / "__init__.py").touch()
+    for name in ("compiled.py", "machine_code.py", "interrupts.py", "cache.py", "cache_home.py", "atomic_file.py"):
         shutil.copy(ROOT / "wheelrail" / "support" / name, root / "support")
     (root / "contact" / "outer.py").write_text(OUTER)
     (root / "contact" / "deep" / "inner.py").write_text(INNER.format(3.0))
+    return root / "contact" / "deep" / "inner.py"
+
+
+def test_change_in_a_called_file_is_detected(tmp_path: Path) -> None:
+    inner = package(tmp_path / "wheelrail")
     assert said(tmp_path) == "6.0 0 ''"
     assert said(tmp_path) == "6.0 1 ''"
-    (root / "contact" / "deep" / "inner.py").write_text(INNER.format(5.0))
+    inner.write_text(INNER.format(5.0))
     assert said(tmp_path) == "10.0 0 ''"
-    (kept,) = root.glob("support/__pycache__/compiled-*")  # files of older sources are removed
-    assert any(kept.rglob("*.nbc"))
+    inner.write_text(INNER.format(3.0))
+    assert said(tmp_path) == "6.0 1 ''"  # machine code of several versions is kept
+    inner.write_text("# a comment\n" + INNER.format(3.0).replace("Module", "A module").replace("Text", "Another text"))
+    assert said(tmp_path) == "6.0 1 ''"
+    (tmp_path / "wheelrail" / "meshes" / "unrelated.py").write_text(INNER.format(1.0))
+    assert said(tmp_path) == "6.0 1 ''"
 
 
-def test_sources_of_all_compiled_functions_are_hashed() -> None:
-    packages = ("contact", "forms", "meshes", "vehicle", "wheelrail")
-    files = [file for package in packages for file in (ROOT / package).rglob("*.py")]
-    using = [file for file in files if re.search(r"^from \S*compiled import", file.read_text(), re.MULTILINE)]
-    assert len(using) > 10
-    assert [
-        file for file in using if not any(file.resolve().is_relative_to(folder.resolve()) for folder in SOURCES)
-    ] == []
+def test_copies_of_the_package_share_machine_code_outside_of_them(tmp_path: Path) -> None:
+    package(tmp_path / "first" / "wheelrail")
+    package(tmp_path / "second" / "wheelrail")
+    (tmp_path / "cache").mkdir()
+    for name, hits in (("first", 0), ("second", 1)):
+        (tmp_path / name / "cache").symlink_to(tmp_path / "cache")
+        assert said(tmp_path / name) == f"6.0 {hits} ''"
+        assert not list((tmp_path / name).rglob("*.nb[ic]"))
+
+
+def test_sources_of_imported_modules_are_hashed() -> None:
+    """Names that a package finds when they are used, and functions, are those of modules that are hashed."""
+    for path in (ROOT / "contact").rglob("*.py"):
+        text = path.read_text()
+        if re.search(r"^from \S*compiled import", text, re.MULTILINE):
+            name = ".".join(("wheelrail", *path.relative_to(ROOT).with_suffix("").parts))
+            assert len(digest(name)) == 12
 
 
 PLACES = """
 import sys
 from pathlib import Path
 from numba import config
-from wheelrail.support.compiled import compiled, folder
+from wheelrail.support.compiled import compiled
+from wheelrail.support.machine_code import folder
 config.CACHE_DIR = sys.argv[1]
 @compiled
 def twice(x):
@@ -96,12 +115,13 @@ def test_fallback_without_a_writable_cache_folder(tmp_path: Path) -> None:
 
 
 HARM = """
-import os, pickle, sys
+import hashlib, os, pickle, sys
 class Harm:
     def __reduce__(self):
         return os.mkdir, (sys.argv[1],)
 for index in sys.argv[2:]:
-    open(index, "wb").write(pickle.dumps(Harm()))
+    content = pickle.dumps(Harm())
+    open(index, "wb").write(hashlib.sha256(content).digest() + content)
 """
 
 
@@ -178,7 +198,9 @@ def test_two_processes_compile_at_once(tmp_path: Path) -> None:
         process.stdin.write("go\n")
         process.stdin.flush()
     right = [2.0 * i for i in range(COUNT)]
-    assert [ended(process)[:COUNT] for process in two] == [right, right]
+    first, second = (ended(process) for process in two)
+    assert first[:COUNT] == second[:COUNT] == right
+    assert first[COUNT] + second[COUNT] == COUNT  # nothing is compiled twice
     third = started()
     assert third.stdout is not None
     third.stdout.readline()

@@ -18,7 +18,7 @@ from wheelrail.export.warm_up import SCENE, warm_up
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import WheelsetScene, load_scene
 from wheelrail.scenes.schema.toml import parse, read_text
-from wheelrail.support import compiled
+from wheelrail.support import machine_code
 from wheelrail.support.cache import cache_folders
 
 PACKAGES = ("numpy", "scipy", "numba", "pydantic", "lazy_loader", "cffi")
@@ -76,11 +76,8 @@ def export_runtime(folder: Path, scene_folder: Path) -> None:
     shutil.copytree(Path(wheelrail.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
     requirements = "".join(f"{name}=={version(name)}\n" for name in PACKAGES)
     (folder / "requirements.txt").write_text(requirements, encoding="utf-8")
-    machine_code = compiled.folder()
-    if machine_code is None:
-        raise OSError("no folder for machine code can be written; set NUMBA_CACHE_DIR to one")
-    copied = folder / "machine-code" / machine_code.name
-    shutil.copytree(machine_code / compiled.OWN, copied / compiled.OWN)
+    copied = folder / "machine-code" / machine_code.FOLDER
+    machine_code.copy_present(copied)
     store_sources(copied)
     _solve(folder, scene_folder)
 

@@ -1,106 +1,22 @@
-"""Loops compiled by Numba, without the interpreter's lock; machine code is cached on disk by a hash of the sources.
-
-Nothing in the cache names the folder of the package: it can be moved, and serves all copies of the same sources.
-"""
+"""Loops compiled by Numba, without the interpreter's lock; machine code is kept on disk, see `machine_code`."""
 
 from __future__ import annotations
 
-import hashlib
-import json
-import logging
-import os
-import shutil
-import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
 
 from numba import config, njit, types
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, _CacheLocator
 from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 from numba.extending import intrinsic
 
-from wheelrail.support.atomic_file import atomic_file
-from wheelrail.support.cache import cache_folder, source_digest
-from wheelrail.support.cache_home import writable
+from wheelrail.support.machine_code import TolerantCache, folder, made_once
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 HERE = Path(__file__).parent
-COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled")  # folders of compiled functions
-SOURCES = tuple(HERE.parent / name for name in COMPILED)
-
-OWN = "package"  # folder of the machine code of these sources, without generated ones and those of users
-CHECKSUMS = "checksums.json"
-log = logging.getLogger(__name__)
-
-
-class PackageLocator(_CacheLocator):  # type: ignore[misc]
-    """Place of the machine code of functions whose file name is relative: those of this package and generated ones.
-
-    Parameters:
-        function: in Python.
-        file: its source.
-    """
-
-    def __init__(self, function: Callable[..., Any], file: Path) -> None:
-        self._py_file = str(file)  # of Numba's messages
-        self._line = function.__code__.co_firstlineno
-        folders = file.parent.parts[1:]  # without that of the package; generated sources have none
-        self._place = Path(config.CACHE_DIR, *([OWN, "-".join(folders)] if folders else ["generated"]))
-
-    def get_cache_path(self) -> str:
-        return str(self._place)
-
-    def get_source_stamp(self) -> str:
-        """Constant: the folder's name has the hash of all sources, that of a generated source its own."""
-        return "in the name"
-
-    def get_disambiguator(self) -> str:
-        return str(self._line)
-
-    @classmethod
-    def from_function(cls, function: Callable[..., Any], file: str) -> PackageLocator | None:
-        """Locator of a function, None where others have to find a place."""
-        if Path(file).is_absolute():
-            return None
-        locator = cls(function, Path(file))
-        try:
-            locator.ensure_cache_path()
-        except OSError:
-            return None
-        return locator
-
-
-class MovableCode(CompileResultCacheImpl):  # type: ignore[misc]
-    """Serialised machine code in a place that does not depend on the folder of the package."""
-
-    _locator_classes = (PackageLocator, *CompileResultCacheImpl._locator_classes)
-
-
-class TolerantCache(FunctionCache):  # type: ignore[misc]
-    """Numba's cache of the machine code of a function, where files that cannot be read or written cost time only."""
-
-    _impl_class = MovableCode
-
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        try:
-            overload = super().load_overload(sig, target_context)
-        except Exception:  # of a pickle that was cut off: almost any
-            overload = None
-        if overload is None:
-            announce_first_compilation()
-        return overload
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        try:
-            super().save_overload(sig, data)
-        except Exception:
-            with suppress(OSError):  # an index that cannot be read is replaced by an empty one
-                self.flush()
 
 
 def compiled(
@@ -128,7 +44,21 @@ def compiled(
     if path is not None:
         with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
             dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
+            dispatcher.compile = _once(dispatcher)
     return cast(F, dispatcher)
+
+
+def _once(dispatcher: Any) -> Callable[[Any], Any]:
+    """The dispatcher's compilation by one process at a time."""
+    compile_for, name = dispatcher.compile, dispatcher._cache._impl.filename_base
+
+    def compile_once(sig: Any) -> Any:
+        if isinstance(sig, tuple) and sig in dispatcher.overloads:
+            return dispatcher.overloads[sig].entry_point
+        with made_once(name):
+            return compile_for(sig)
+
+    return compile_once
 
 
 def unchecked(function: F) -> F:
@@ -213,89 +143,6 @@ def fma(context: Any, a: Any, b: Any, c: Any) -> Any:
         return builder.fma(*values)
 
     return types.float64(types.float64, types.float64, types.float64), generate
-
-
-@cache
-def announce_first_compilation() -> None:
-    """Log that machine code is compiled, if there is none of these sources yet: for strips it takes minutes."""
-    place = folder()
-    if place is not None and not any(place.rglob("*.nbi")):
-        log.info("compiling machine code: up to some minutes, only this once")
-
-
-@cache
-def folder() -> Path | None:
-    """Cache folder of machine code, with a hash of the sources in its name; None if there is none that this user, and
-    nobody else, can write: Numba unpickles its files.
-
-    Numba checks only the source file of a function itself, and would use old code of the functions that it calls.
-    Damaged files are removed; bits that flip before a file's checksum is first recorded are not detected.
-    """
-    name = f"compiled-{source_digest(*SOURCES)}"
-    for parent in _parents():
-        place = parent / name
-        new = not place.exists()
-        if writable(place) and private(place):
-            if new:
-                _remove_others(place)
-            _remove_damaged(place)
-            return place
-    return None
-
-
-def _parents() -> Iterator[Path]:
-    """Candidate folders in order; the second is determined, at some cost, only if the first cannot be written."""
-    yield Path(config.CACHE_DIR or HERE / "__pycache__")
-    yield cache_folder()
-
-
-def private(place: Path) -> bool:
-    """Whether only this user and the administrator can put files into a folder, or exchange one that it is in.
-
-    A group with the number of its user is the user's own. In folders with the sticky bit, like /tmp, only the owner can
-    exchange a folder.
-    """
-    place = place.resolve()
-    for folder in (place, *place.parents):
-        status = folder.stat()
-        others = status.st_mode & (0o002 if status.st_gid == status.st_uid else 0o022)
-        sticky = folder != place and status.st_mode & stat.S_ISVTX
-        if status.st_uid not in (0, os.geteuid()) or (others and not sticky):
-            return False
-    return True
-
-
-def _remove_others(place: Path) -> None:
-    """Remove machine code of older sources."""
-    for old in place.parent.glob("compiled-*"):
-        if old != place:  # another process may be writing to place
-            shutil.rmtree(old, ignore_errors=True)
-
-
-def _remove_damaged(place: Path) -> None:
-    """Remove files whose content has changed since their checksum was recorded while their modification time has not;
-    record the checksums of new ones.
-
-    Other processes may write at the same time: Numba replaces files atomically and recompiles missing ones.
-    """
-    record = place / CHECKSUMS
-    try:
-        before = dict(json.loads(record.read_bytes()))
-    except (OSError, ValueError, TypeError):
-        before = {}
-    checksums = {}
-    for path in sorted(place.rglob("*.nb[ic]")):  # indices and data
-        with suppress(OSError):
-            with path.open("rb") as file:
-                written, content = os.fstat(file.fileno()).st_mtime_ns, file.read()
-            key, checksum = f"{path.parent.name}/{path.name} {written}", hashlib.sha256(content).hexdigest()
-            if before.get(key, checksum) == checksum:
-                checksums[key] = checksum
-            else:
-                path.unlink()
-    if checksums != before:
-        with suppress(OSError), atomic_file(record) as part:
-            part.write_text(json.dumps(checksums), encoding="utf-8")
 
 
 @contextmanager

@@ -60,6 +60,30 @@ def deferred_interrupts() -> Iterator[None]:
             before(signal.SIGINT, None)
 
 
+@contextmanager
+def answered_interrupts() -> Iterator[None]:
+    """Ctrl-C within `deferred_interrupts` is answered at once in this block, whose work is lost: compilation."""
+    waiting = _waiting
+    if waiting is None or current_thread() is not main_thread():
+        yield
+        return
+
+    def raised(number: int, frame: FrameType | None) -> None:
+        waiting(number, frame)
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGINT, raised)
+    try:
+        check_interrupt()
+        yield
+    except KeyboardInterrupt:
+        waiting.time = None
+        raise
+    finally:
+        signal.signal(signal.SIGINT, before)
+    check_interrupt()  # one whose exception was lost in a callback
+
+
 def check_interrupt() -> None:
     """Raise KeyboardInterrupt if a Ctrl-C is deferred; to be called where no state is incomplete."""
     if _waiting is not None and _waiting.time is not None and current_thread() is main_thread():

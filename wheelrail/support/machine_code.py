@@ -1,0 +1,307 @@
+"""Machine code on disk: its folder, the sources that each file belongs to, and one process at a time that makes it.
+
+A file's name has a hash of the statements of its module and of all modules of the package that this imports: comments
+and docstrings do not count. One folder serves all copies and versions of the package.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import logging
+import os
+import re
+import shutil
+import stat
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from time import monotonic, time
+from types import CodeType
+from typing import Any
+
+from numba import config
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
+from numba.core.compiler_lock import global_compiler_lock
+
+from wheelrail.support.cache import cache_folder
+from wheelrail.support.cache_home import writable
+from wheelrail.support.interrupts import answered_interrupts
+
+PACKAGE = Path(__file__).parents[1]
+FOLDER = "machine-code"
+IMPORTS = re.compile(r"^\s*(?:from|import) (wheelrail[\w.]*)", re.MULTILINE)
+UNUSED = 30 * 86400.0  # s, after which a file that was not read is removed
+REPORT = 15.0  # s between messages while functions are compiled
+log = logging.getLogger(__name__)
+
+
+@cache
+def folder() -> Path | None:
+    """Folder of machine code, in $NUMBA_CACHE_DIR or the cache; None if there is none that this user, and nobody else,
+    can write: Numba unpickles its files.
+    """
+    for parent in _parents():
+        place = parent / FOLDER
+        if writable(place) and private(place):
+            return place
+    return None
+
+
+def _parents() -> Iterator[Path]:
+    """Candidate folders in order; the second is determined, at some cost, only if the first cannot be written."""
+    if config.CACHE_DIR:
+        yield Path(config.CACHE_DIR)
+    yield cache_folder()
+
+
+def private(place: Path) -> bool:
+    """Whether only this user and the administrator can put files into a folder, or exchange one that it is in.
+
+    A group with the number of its user is the user's own. In folders with the sticky bit, like /tmp, only the owner can
+    exchange a folder.
+    """
+    place = place.resolve()
+    for each in (place, *place.parents):
+        status = each.stat()
+        others = status.st_mode & (0o002 if status.st_gid == status.st_uid else 0o022)
+        sticky = each != place and status.st_mode & stat.S_ISVTX
+        if status.st_uid not in (0, os.geteuid()) or (others and not sticky):
+            return False
+    return True
+
+
+@cache
+def digest(module: str) -> str:
+    """Hash of the statements of a module of the package and of all modules that it imports, at any depth."""
+    found: set[str] = set()
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        if name not in found and _file(name) is not None:
+            found.add(name)
+            waiting += _imported(name)
+    return hashlib.sha256("".join(_statements(name) for name in sorted(found)).encode()).hexdigest()[:12]
+
+
+def _file(module: str) -> Path | None:
+    place = PACKAGE.joinpath(*module.split(".")[1:])
+    return next((file for file in (place.with_suffix(".py"), place / "__init__.py") if file.is_file()), None)
+
+
+@cache
+def _imported(module: str) -> list[str]:
+    """Modules of this package that one imports: of a package, whose names are found when they are used, all."""
+    file = _file(module)
+    names = IMPORTS.findall(file.read_text(encoding="utf-8")) if file is not None else []
+    packages = [PACKAGE.joinpath(*name.split(".")[1:]) for name in names if name != "wheelrail"]
+    inside = [path.relative_to(PACKAGE).with_suffix("") for place in packages for path in place.rglob("*.py")]
+    return [*names, *(".".join(("wheelrail", *path.parts)).removesuffix(".__init__") for path in inside)]
+
+
+@cache
+def _statements(module: str) -> str:
+    """Hash of a module's byte code with its names and constants, without docstrings and line numbers."""
+    file = _file(module)
+    code = None if file is None else SourceFileLoader(module, str(file)).get_code(module)
+    checksum = hashlib.sha256(module.encode())
+
+    def add(code: CodeType, documentation: str | None) -> None:
+        checksum.update(code.co_code)
+        checksum.update(repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)).encode())
+        function = not code.co_name.startswith("<")
+        for number, constant in enumerate(code.co_consts):
+            if isinstance(constant, CodeType):
+                add(constant, None)
+            elif not (isinstance(constant, str) and (constant == documentation or (function and number == 0))):
+                checksum.update(repr(constant).encode())
+
+    if code is not None:
+        first = code.co_consts[0] if code.co_consts else None
+        add(code, first if isinstance(first, str) else None)
+    return checksum.hexdigest()
+
+
+class PackageLocator(_CacheLocator):  # type: ignore[misc]
+    """Place of the machine code of functions whose file name is relative: those of this package and generated ones.
+
+    Parameters:
+        function: in Python.
+        place: folder of machine code.
+        version: hash of the sources.
+    """
+
+    def __init__(self, function: Callable[..., Any], place: Path, version: str) -> None:
+        self._py_file = function.__code__.co_filename  # of Numba's messages
+        self._place = place
+        # Functions of one name in a module differ by their statements.
+        self._version = f"{version}-{hashlib.sha256(function.__code__.co_code).hexdigest()[:8]}"
+
+    def get_cache_path(self) -> str:
+        return str(self._place)
+
+    def get_source_stamp(self) -> str:
+        """Constant: the file's name has the hash of the sources."""
+        return "in the name"
+
+    def get_disambiguator(self) -> str:
+        return self._version
+
+    @classmethod
+    def from_function(cls, function: Callable[..., Any], file: str) -> PackageLocator | None:
+        """Locator of a function, None where others have to find a place."""
+        if Path(file).is_absolute():
+            return None
+        generated = getattr(sys.modules.get(function.__module__), "DIGEST", None)  # of generated sources
+        locator = cls(function, Path(config.CACHE_DIR), generated or digest(function.__module__))
+        try:
+            locator.ensure_cache_path()
+        except OSError:
+            return None
+        return locator
+
+
+class MovableCode(CompileResultCacheImpl):  # type: ignore[misc]
+    """Serialised machine code in a place that does not depend on the folder of the package."""
+
+    _locator_classes = (PackageLocator, *CompileResultCacheImpl._locator_classes)
+
+
+class SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
+    """Files that begin with a hash of their content: damaged ones are not read."""
+
+    def _dump(self, obj: Any) -> bytes:
+        content: bytes = super()._dump(obj)
+        return hashlib.sha256(content).digest() + content
+
+    def _load_index(self) -> dict[Any, str]:
+        try:
+            stamp, overloads = self._opened(self._index_path)
+        except (OSError, ValueError):
+            return {}
+        return overloads if stamp == self._source_stamp else {}
+
+    def _save_index(self, overloads: dict[Any, str]) -> None:
+        with self._open_for_write(self._index_path) as file:
+            file.write(self._dump((self._source_stamp, overloads)))
+
+    def _load_data(self, name: str) -> Any:
+        try:
+            return self._opened(self._data_path(name))
+        except ValueError as error:
+            raise OSError(error) from error  # as a file that is missing
+
+    @staticmethod
+    def _opened(path: str) -> Any:
+        """Content of a file. Raises OSError, ValueError for a damaged one."""
+        import pickle
+
+        sealed = Path(path).read_bytes()
+        if hashlib.sha256(sealed[32:]).digest() != sealed[:32]:
+            raise ValueError(f"{path} is damaged")
+        return pickle.loads(sealed[32:])
+
+
+class TolerantCache(FunctionCache):  # type: ignore[misc]
+    """Numba's cache of the machine code of a function, where files that cannot be read or written cost time only."""
+
+    _impl_class = MovableCode
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)
+        self._cache_file.__class__ = SealedFiles
+        Compilation.present.files.add(self._impl.filename_base)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            overload = super().load_overload(sig, target_context)
+        except Exception:  # of a pickle of another version: almost any
+            overload = None
+        if overload is None:
+            Compilation.present.begun()
+        return overload
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        with suppress(Exception):
+            super().save_overload(sig, data)
+        Compilation.present.compiled += 1
+
+
+class Compilation:
+    """Functions that this process compiles, and messages about it."""
+
+    present: Compilation
+
+    def __init__(self) -> None:
+        self.compiled = 0
+        self.files: set[str] = set()  # first parts of the names of all functions' files
+        self._start = self._said = -1.0
+
+    def begun(self) -> None:
+        """Log that machine code is compiled, at the first function and after times of REPORT."""
+        now = monotonic()
+        if self._start < 0:
+            self._start = self._said = now
+            _remove_unused()
+            if (place := folder()) is not None and not any(place.glob("*.nbi")):
+                log.info("compiling machine code: up to some minutes, only this once")
+        elif now - self._said >= REPORT:
+            self._said = now
+            log.info(
+                "compiling machine code: %d functions in %.0f s, of at most %d; only this once",
+                *(self.compiled, now - self._start, len(self.files)),
+            )
+
+
+Compilation.present = Compilation()
+
+
+def copy_present(target: Path) -> None:
+    """Copy the machine code of the functions that this process knows. Raises OSError."""
+    place = folder()
+    if place is None:
+        raise OSError("no folder for machine code can be written; set NUMBA_CACHE_DIR to one")
+    target.mkdir(parents=True, exist_ok=True)
+    for file in place.glob("*.nb[ic]"):
+        if any(file.name.startswith(f"{name}.") for name in Compilation.present.files):
+            shutil.copy2(file, target)
+
+
+def _remove_unused() -> None:
+    """Remove machine code that no process has read for a month."""
+    place, now = folder(), time()
+    for file in place.glob("*") if place is not None else ():
+        with suppress(OSError):
+            status = file.stat()
+            if file.is_file() and now - max(status.st_atime, status.st_mtime) > UNUSED:
+                file.unlink()
+
+
+_held: set[str] = set()
+
+
+@contextmanager
+def made_once(name: str) -> Iterator[None]:
+    """One process at a time loads or compiles a function; others wait and load what it made.
+
+    A function's callees are locked while it is, in the order of calls, which has no circle.
+    """
+    place = folder()
+    if place is None or name in _held:
+        yield
+        return
+    with global_compiler_lock, answered_interrupts():  # of threads: before that of processes
+        lock = None
+        with suppress(OSError):
+            lock = os.open(place / f"{name[:200]}.lock", os.O_CREAT | os.O_RDWR, 0o600)
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        _held.add(name)
+        try:
+            yield
+        finally:
+            _held.discard(name)
+            if lock is not None:
+                os.close(lock)
