@@ -62,6 +62,9 @@ def error_lines(scene: str, place: str | None = None) -> Iterator[None]:
         yield
     except (SceneError, TooLarge) as error:
         raise rejected(f"{scene}{error}") from None
+    except ImportError as error:  # of an extra that is not installed
+        print(error, file=sys.stderr)
+        raise typer.Exit(FAILED) from None
     except (OSError, RunFailed) as error:
         print(abridged(f"{scene if place is None else place}{error}"), file=sys.stderr)
         raise typer.Exit(FAILED) from None

@@ -89,8 +89,10 @@ def _fields(scene: Path, out: Path) -> None:
     folder = results_folder(out, out)
     from wheelrail.scenes.contacts.solve import built_model, solve_sides
     from wheelrail.scenes.views.export import export_side
+    from wheelrail.scenes.views.plotter import pyvista
 
     with error_lines(f"{scene}: ", f"{folder}: "), stdout_for_results(), progress_console().status("fields"):
+        pyvista()  # if it is missing, it is missed before the scene is solved
         model = built_model(checked)
         files = [
             file

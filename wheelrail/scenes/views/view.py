@@ -16,6 +16,7 @@ from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, parse_scene
+from wheelrail.scenes.views.plotter import pyvista
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -64,8 +65,10 @@ def view_scene(
         report_progress: called with a text at every stage.
         options: body and scale as of `ViewOptions`.
 
-    Raises SceneError for a side or a body that the scene does not have, RunFailed without contact.
+    Raises SceneError for a side or a body that the scene does not have, RunFailed without contact, ImportError without
+    the extra `view`.
     """
+    pyvista()  # if it is missing, it is missed before the scene is solved
     bodies_of(scene, options.get("body", "both"))
     sides = ("contact",) if isinstance(scene, HertzScene) else scene.sides
     chosen = side or sides[0]
