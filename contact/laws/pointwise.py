@@ -25,13 +25,15 @@ from wheelrail.contact.laws.friction import Coulomb, FallingFriction, FrictionLa
 from wheelrail.contact.laws.normal import NormalLaw, Penalty, PowerPenalty
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.atomic_file import atomic_file
+from wheelrail.support.cache import source_digest
 from wheelrail.support.compiled import address, compiled
-from wheelrail.support.machine_code import digest, folder
+from wheelrail.support.machine_code import folder
 
 NUMBERS = types.CPointer(types.float64)
 COUNTS = types.CPointer(types.int64)
 AT_POINTS = types.void(*[NUMBERS] * 4, COUNTS, *[NUMBERS] * 3)
 BOUNDS_AT_POINTS = types.void(*[NUMBERS] * 2, COUNTS, *[NUMBERS] * 3)
+GENERATORS = Path(__file__).parent, Path(__file__).parents[2] / "forms"  # folders of what generates sources
 WITHOUT_UFL = "none"  # in place of UFL's stamp
 # A law of each class, with any constants: they are arguments of the generated functions.
 FRICTION_LAWS: tuple[FrictionLaw, ...] = Coulomb(), FallingFriction.polach(), Stribeck(0.3, 0.2, 1.0)
@@ -182,7 +184,6 @@ def _code(kind: str, law: Any, source: Callable[[Any], str], functions: tuple[st
     if key not in _codes:
         text, path = _source(kind, law, source)
         code = ModuleType(f"wheelrail_law_{path.stem}")
-        code.__dict__["DIGEST"] = hashlib.sha256(text.encode()).hexdigest()[:12]  # of its machine code
         sys.modules[code.__name__] = code  # machine code is loaded by the name of its module
         exec(compile(text, path.name, "exec"), code.__dict__)
         for name in functions:
@@ -210,7 +211,7 @@ def _source(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Pat
 
 
 def _file_name(law: str, stamp: str) -> str:
-    return f"{law}_{digest(__name__)}_{stamp}.generated"
+    return f"{law}_{source_digest(*GENERATORS)}_{stamp}.generated"
 
 
 def store_sources(place: Path) -> None:

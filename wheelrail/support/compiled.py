@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, cast
 
 from numba import config, njit, types
+from numba.core.caching import NullCache
 from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 from numba.extending import intrinsic
@@ -37,28 +38,36 @@ def compiled(
     Arithmetic is IEEE 754 in the order of the source. With reordered sums, functions that call others would differ in
     the last bits between the process that compiles them and one that loads them from the cache.
     """
-    dispatcher, path = (
-        njit(nogil=True, error_model=error_model, _nrt=counts, inline=inline)(_movable(function)),
-        folder(),
-    )
-    if path is not None:
-        with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
-            dispatcher._cache = TolerantCache(function)  # as njit(cache=True) does with Numba's own, which raises
-            dispatcher.compile = _once(dispatcher)
+    dispatcher = njit(nogil=True, error_model=error_model, _nrt=counts, inline=inline)(_movable(function))
+    dispatcher.compile = _kept(dispatcher)
     return cast(F, dispatcher)
 
 
-def _once(dispatcher: Any) -> Callable[[Any], Any]:
-    """The dispatcher's compilation by one process at a time."""
-    compile_for, name = dispatcher.compile, dispatcher._cache._impl.filename_base
+def _kept(dispatcher: Any) -> Callable[[Any], Any]:
+    """The dispatcher's compilation, by one process at a time, or what an earlier one left on disk.
+
+    What the function names is known at its first call.
+    """
+    compile_for = dispatcher.compile
 
     def compile_once(sig: Any) -> Any:
         if isinstance(sig, tuple) and sig in dispatcher.overloads:
             return dispatcher.overloads[sig].entry_point
-        with made_once(name):
+        if isinstance(dispatcher._cache, NullCache):
+            dispatcher._cache = stored(dispatcher.py_func)
+        with made_once(dispatcher._cache):
             return compile_for(sig)
 
     return compile_once
+
+
+def stored(function: Callable[..., Any]) -> Any:
+    """Cache on disk of the machine code of a function, as njit(cache=True) has it."""
+    path = folder()
+    if path is not None:
+        with _cached_in(path), suppress(OSError):  # the file of generated source could not be written
+            return TolerantCache(function)
+    return NullCache()
 
 
 def unchecked(function: F) -> F:
@@ -93,10 +102,7 @@ def address(function: Callable[..., Any], signature: Any) -> int:
     key = f"{function.__module__}.{function.__qualname__}"
     if key not in _c_functions:
         c_function: Any = CFunc(_movable(function), normalize_signature(signature), {}, {"nopython": True})
-        path = folder()
-        if path is not None:
-            with _cached_in(path), suppress(OSError):
-                c_function._cache = TolerantCache(function)
+        c_function._cache = stored(function)
         c_function.compile()
         _c_functions[key] = c_function
     return int(_c_functions[key].address)

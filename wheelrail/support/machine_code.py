@@ -1,7 +1,7 @@
-"""Machine code on disk: its folder, the sources that each file belongs to, and one process at a time that makes it.
+"""Machine code on disk: its folder, the statements that each file belongs to, and one process at a time that makes it.
 
-A file's name has a hash of the statements of its module and of all modules of the package that this imports: comments
-and docstrings do not count. One folder serves all copies and versions of the package.
+A file's name has a hash of its function's statements and of all that these name: constants, and compiled functions at
+any depth. Comments and docstrings do not count. One folder serves all copies and versions of the package.
 """
 
 from __future__ import annotations
@@ -10,30 +10,28 @@ import fcntl
 import hashlib
 import logging
 import os
-import re
 import shutil
 import stat
-import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
-from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from time import monotonic, time
-from types import CodeType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
+import numpy as np
 from numba import config
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
 from numba.core.compiler_lock import global_compiler_lock
+from numba.core.dispatcher import Dispatcher
+from numba.core.extending import _Intrinsic
 
 from wheelrail.support.cache import cache_folder
 from wheelrail.support.cache_home import writable
 from wheelrail.support.interrupts import answered_interrupts
 
-PACKAGE = Path(__file__).parents[1]
 FOLDER = "machine-code"
-IMPORTS = re.compile(r"^\s*(?:from|import) (wheelrail[\w.]*)", re.MULTILINE)
 UNUSED = 30 * 86400.0  # s, after which a file that was not read is removed
 REPORT = 15.0  # s between messages while functions are compiled
 log = logging.getLogger(__name__)
@@ -74,55 +72,61 @@ def private(place: Path) -> bool:
     return True
 
 
-@cache
-def digest(module: str) -> str:
-    """Hash of the statements of a module of the package and of all modules that it imports, at any depth."""
-    found: set[str] = set()
-    waiting = [module]
-    while waiting:
-        name = waiting.pop()
-        if name not in found and _file(name) is not None:
-            found.add(name)
-            waiting += _imported(name)
-    return hashlib.sha256("".join(_statements(name) for name in sorted(found)).encode()).hexdigest()[:12]
+def digest(function: FunctionType) -> str:
+    """Hash of a function's statements, its options as machine code aside, and of the values that these name."""
+    if function not in _digests:
+        _digests[function] = ""  # of a function that calls itself
+        checksum = hashlib.sha256()
+        for code in _codes(function.__code__):
+            checksum.update(code.co_code)
+            checksum.update(repr((code.co_names, code.co_varnames, code.co_freevars)).encode())
+            constants = (c for c in code.co_consts if not isinstance(c, CodeType) and c != function.__doc__)
+            for value in (*constants, *_named(function, code.co_names)):
+                checksum.update(_description(value).encode())
+        for cell in function.__closure__ or ():
+            with suppress(ValueError):  # that is empty
+                checksum.update(_description(cell.cell_contents).encode())
+        _digests[function] = checksum.hexdigest()[:16]
+    return _digests[function]
 
 
-def _file(module: str) -> Path | None:
-    place = PACKAGE.joinpath(*module.split(".")[1:])
-    return next((file for file in (place.with_suffix(".py"), place / "__init__.py") if file.is_file()), None)
+_digests: dict[FunctionType, str] = {}
 
 
-@cache
-def _imported(module: str) -> list[str]:
-    """Modules of this package that one imports: of a package, whose names are found when they are used, all."""
-    file = _file(module)
-    names = IMPORTS.findall(file.read_text(encoding="utf-8")) if file is not None else []
-    packages = [PACKAGE.joinpath(*name.split(".")[1:]) for name in names if name != "wheelrail"]
-    inside = [path.relative_to(PACKAGE).with_suffix("") for place in packages for path in place.rglob("*.py")]
-    return [*names, *(".".join(("wheelrail", *path.parts)).removesuffix(".__init__") for path in inside)]
+def _codes(code: CodeType) -> Iterator[CodeType]:
+    yield code
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _codes(constant)
 
 
-@cache
-def _statements(module: str) -> str:
-    """Hash of a module's byte code with its names and constants, without docstrings and line numbers."""
-    file = _file(module)
-    code = None if file is None else SourceFileLoader(module, str(file)).get_code(module)
-    checksum = hashlib.sha256(module.encode())
+def _named(function: FunctionType, names: tuple[str, ...]) -> Iterator[Any]:
+    """Values of global names, and of attributes of modules of this package."""
+    for name in names:
+        value = function.__globals__.get(name)
+        yield value
+        if isinstance(value, ModuleType) and value.__name__.startswith("wheelrail"):
+            yield from (getattr(value, attribute, None) for attribute in names)
 
-    def add(code: CodeType, documentation: str | None) -> None:
-        checksum.update(code.co_code)
-        checksum.update(repr((code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars)).encode())
-        function = not code.co_name.startswith("<")
-        for number, constant in enumerate(code.co_consts):
-            if isinstance(constant, CodeType):
-                add(constant, None)
-            elif not (isinstance(constant, str) and (constant == documentation or (function and number == 0))):
-                checksum.update(repr(constant).encode())
 
-    if code is not None:
-        first = code.co_consts[0] if code.co_consts else None
-        add(code, first if isinstance(first, str) else None)
-    return checksum.hexdigest()
+def _description(value: Any) -> str:
+    """Text that changes with what a value means to machine code, the same in every process."""
+    if isinstance(value, Dispatcher):
+        return f"{digest(value.py_func)} {sorted(value.targetoptions.items())}"
+    if isinstance(value, _Intrinsic):
+        return digest(value._defn)
+    if isinstance(value, FunctionType):
+        return digest(value)
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {hashlib.sha256(value.tobytes()).hexdigest()}"
+    if isinstance(value, tuple | frozenset):
+        parts = [_description(part) for part in value]
+        return str(parts if isinstance(value, tuple) else sorted(parts))
+    if isinstance(value, type):
+        return f"{value.__qualname__} {getattr(value, '_fields', ())}"
+    if value is None or isinstance(value, bool | int | float | complex | str | bytes):
+        return repr(value)
+    return f"{type(value).__qualname__} {getattr(value, '__name__', '')}"
 
 
 class PackageLocator(_CacheLocator):  # type: ignore[misc]
@@ -131,32 +135,29 @@ class PackageLocator(_CacheLocator):  # type: ignore[misc]
     Parameters:
         function: in Python.
         place: folder of machine code.
-        version: hash of the sources.
     """
 
-    def __init__(self, function: Callable[..., Any], place: Path, version: str) -> None:
+    def __init__(self, function: FunctionType, place: Path) -> None:
         self._py_file = function.__code__.co_filename  # of Numba's messages
         self._place = place
-        # Functions of one name in a module differ by their statements.
-        self._version = f"{version}-{hashlib.sha256(function.__code__.co_code).hexdigest()[:8]}"
+        self._version = digest(function)
 
     def get_cache_path(self) -> str:
         return str(self._place)
 
     def get_source_stamp(self) -> str:
-        """Constant: the file's name has the hash of the sources."""
+        """Constant: the file's name has the hash of the statements."""
         return "in the name"
 
     def get_disambiguator(self) -> str:
         return self._version
 
     @classmethod
-    def from_function(cls, function: Callable[..., Any], file: str) -> PackageLocator | None:
+    def from_function(cls, function: FunctionType, file: str) -> PackageLocator | None:
         """Locator of a function, None where others have to find a place."""
         if Path(file).is_absolute():
             return None
-        generated = getattr(sys.modules.get(function.__module__), "DIGEST", None)  # of generated sources
-        locator = cls(function, Path(config.CACHE_DIR), generated or digest(function.__module__))
+        locator = cls(function, Path(config.CACHE_DIR))
         try:
             locator.ensure_cache_path()
         except OSError:
@@ -284,13 +285,16 @@ _held: set[str] = set()
 
 
 @contextmanager
-def made_once(name: str) -> Iterator[None]:
+def made_once(kept: Any) -> Iterator[None]:
     """One process at a time loads or compiles a function; others wait and load what it made.
 
     A function's callees are locked while it is, in the order of calls, which has no circle.
+
+    Parameters:
+        kept: cache of the function.
     """
     place = folder()
-    if place is None or name in _held:
+    if place is None or not isinstance(kept, TolerantCache) or (name := kept._impl.filename_base) in _held:
         yield
         return
     with global_compiler_lock, answered_interrupts():  # of threads: before that of processes
