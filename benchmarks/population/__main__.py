@@ -1,0 +1,5 @@
+"""A population of users' situations."""
+
+from benchmarks.population.report import main
+
+main()

@@ -1,0 +1,168 @@
+"""Checks of one solved side by laws that hold for every model: each returns a text where the result breaks one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from benchmarks.population.draw import Situation
+from benchmarks.population.oracle import Section
+from benchmarks.population.results import SideResult
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.support.arrays import Array
+
+TOUCH = 2e-6  # m: files have 1e-9 m, splines follow the points of a worn profile to 1e-6 m
+ORIGIN = 3e-5  # m, of the top of a rail, where its slope is 1e-4 on a crown of 0.3 m
+SUMS = 1e-6  # of the load: integrals of tractions against forces
+LOAD = 3e-4  # of the load: the largest jump that a search accepts is 2e-4
+TENSION = 1e-6  # of the peak pressure
+BOUND = 1e-2  # of mu times the peak: cells of strips hold means of a bound that varies
+FRICTION = 1e-4  # of mu times the normal force, whose axes are those of the undeformed wheel
+GEOMETRY = 0.03  # of the approach, along the normal there and to the closest point here
+E, NU = 2.1e11, 0.3
+
+
+def broken(situation: Situation, side: Side, result: SideResult) -> list[str]:
+    """Laws that a converged or separated side breaks."""
+    section = section_of(situation, side, result)
+    if result.status == "separated":
+        deepest, at = float(section.depth.max()), _where(section, section.depth)
+        return [f"separated with an overlap of {1e6 * deepest:.1f} um{at}"] if deepest > TOUCH else []
+    return [*_finite(result)] or [
+        *_forces(situation, side, result),
+        *_laws(situation, side, result),
+        *_pose(situation, side, result),
+        *_overlap(situation, section, result),
+    ]
+
+
+def flexible(situation: Situation) -> bool:
+    """Whether wheels and rails move on the axle and the pads."""
+    return bool({"axle", "pads"} & situation.wheelset.keys())
+
+
+def section_of(situation: Situation, side: Side, result: SideResult) -> Section:
+    """Overlap at the pose of a result, where axle and rails are rigid at the own one of its height and roll."""
+    rigid = situation.rigid[side]
+    if flexible(situation):
+        return rigid.overlap(rigid.silhouette(result.origin, result.rotation))
+    return rigid.section(replace(situation.given_position(side), z=result.z, roll=result.roll))
+
+
+def _finite(result: SideResult) -> Iterator[str]:
+    for name, value in vars(result).items():
+        if isinstance(value, np.ndarray) and value.dtype.kind == "f" and not np.isfinite(value).all():
+            yield f"{name} is not finite"
+
+
+def _forces(situation: Situation, side: Side, result: SideResult) -> Iterator[str]:
+    """Integrals over points, patches, and the load of one wheel."""
+    load = result.load
+    if not load > 0:
+        yield "converged without a force"
+        return
+    on_wheel = np.einsum("nk,nkc->nc", np.column_stack([result.traction, -result.pressure]), result.axes)
+    on_wheel *= result.area[:, None]
+    off = float(np.linalg.norm(result.force - on_wheel.sum(axis=0))) / load
+    if off > SUMS:
+        yield f"the force differs by {off:.1e} from the integral of its tractions"
+    off = float(np.linalg.norm(result.force - result.patch_force.sum(axis=0))) / load
+    if off > SUMS:
+        yield f"the force differs by {off:.1e} from that of its patches"
+    if not flexible(situation):
+        rigid = situation.rigid[side]
+        at = situation.position(side, result.z, 0.0)
+        centre = np.array([0.0, at.y - rigid.rail_y, rigid.nominal + at.z])
+        moment = np.cross(result.position - centre, on_wheel).sum(axis=0)
+        arm = float(np.linalg.norm(result.moment - moment)) / load
+        if arm > ORIGIN:
+            yield f"the moment differs by {1e3 * arm:.3g} mm times the load from that of its tractions"
+    asked = situation.solve.get("wheel_load")
+    if asked is not None and abs(result.force[2] - asked) > LOAD * asked:
+        yield f"vertical force {result.force[2]:.6g} N where {asked:g} N is asked for"
+
+
+def _laws(situation: Situation, side: Side, result: SideResult) -> Iterator[str]:
+    """Pressure, friction bound and dissipation."""
+    p, q, peak, mu = (
+        result.pressure,
+        result.traction,
+        float(result.pressure.max(initial=0.0)),
+        situation.on(side)["friction"],
+    )
+    if p.min(initial=0.0) < -TENSION * peak:
+        yield f"tension of {-p.min() / peak:.1e} of the peak pressure"
+    most = mu * peak
+    # FASTSIM has a parabolic bound of the same sum, whose peak is 4/3 of that of the ellipse
+    standard = situation.wheelset.get("model") == "standard"
+    beyond = float((np.hypot(*q.T) - (4.0 / 3.0 * most if standard else mu * p)).max(initial=0.0))
+    if beyond > BOUND * most:
+        yield f"traction beyond the bound by {beyond / most if most else np.inf:.1e} of its peak"
+    bound = mu * float((p * result.area).sum())
+    total = float((np.hypot(*q.T) * result.area).sum())
+    if total > (1.0 + FRICTION) * bound + 1e-9 * result.load:
+        yield f"sum of the tractions is {total / max(bound, 1e-300):.6g} of the friction bound"
+    power = (q * result.slip).sum(axis=1) * result.area
+    if power.sum() > 1e-3 * np.abs(power).sum():
+        yield "friction does work on the wheel and the rail"
+
+
+def _pose(situation: Situation, side: Side, result: SideResult) -> Iterator[str]:
+    """The pose of the wheel against the own one of the same wheelset position."""
+    if flexible(situation):
+        return
+    given, rigid = situation.given_position(side), situation.rigid[side]
+    if situation.solve.get("roll") != "solve" and abs(result.roll - given.roll) > 1e-12:
+        yield f"roll {result.roll:g} rad where {given.roll:g} is given"
+    if "z" in situation.solve and result.z != situation.solve["z"]:
+        yield f"height {result.z:g} m where {situation.solve['z']:g} is given"
+    own = rigid.outline(replace(given, z=result.z, roll=result.roll))
+    off = float(np.abs(own - rigid.silhouette(result.origin, result.rotation)).max())
+    if off > ORIGIN:
+        yield f"the pose of the wheel is {1e6 * off:.2f} um off"
+
+
+def _overlap(situation: Situation, section: Section, result: SideResult) -> Iterator[str]:
+    """Approach, and overlap that remains outside the patches beyond the elastic lowering of the surfaces there."""
+    y, depth = section.y, section.depth
+    inside = np.zeros(len(y), dtype=bool)
+    for (low, high), strips in zip(result.bands, result.strips, strict=True):
+        margin = max((high - low) / max(strips, 8), 2e-4)
+        inside |= (y >= low - margin) & (y <= high + margin)
+    deepest = float(depth.max())
+    within = float(depth[inside].max(initial=-np.inf))
+    allowed = TOUCH + GEOMETRY * abs(result.approach)
+    if abs(deepest - result.approach) > allowed:
+        at = _where(section, depth)
+        yield f"approach {1e6 * result.approach:.2f} um where the overlap is {1e6 * deepest:.2f} um{at}"
+    outside = ~inside & (depth > TOUCH)
+    if not outside.any():
+        return
+    excess = depth[outside] - lowering(section.place[outside], result)
+    margin = TOUCH + 0.1 * max(within, 0.0)
+    if (
+        flexible
+        or situation.wheelset.get("bodies") in ("waveguide", "solid")
+        or situation.wheelset.get("model") == "full"
+    ):
+        margin = max(margin, within)  # webs, feet, axles and pads give way, too
+    if excess.max() > margin:
+        remaining = np.where(outside, depth, -np.inf)
+        yield f"overlap of {1e6 * excess.max():.1f} um remains outside the contacts{_where(section, remaining)}"
+
+
+def lowering(places: Array, result: SideResult) -> Array:
+    """Distance m by which the pressure of all points parts two half-spaces at places (n, 3) m (Boussinesq)."""
+    loaded = result.pressure > 0
+    force = (result.pressure * result.area)[loaded]
+    distance = np.linalg.norm(places[:, None, :] - result.position[loaded][None], axis=2)
+    near = 0.5 * np.sqrt(result.area[loaded])  # of a cell
+    return np.asarray(2.0 * (1.0 - NU**2) / (np.pi * E) * (force / np.maximum(distance, near)).sum(axis=1))
+
+
+def _where(section: Section, depth: Array) -> str:
+    at = int(np.argmax(depth))
+    y, z = 1e3 * section.place[at, 1:]
+    return f", at y = {1e3 * section.y[at]:.1f} mm of the wheel, ({y:.1f}, {z:.1f}) mm of the rail"

@@ -1,0 +1,175 @@
+"""Undeformed wheel and rail from the points of their profiles: gaps, overlaps, heights of first contact.
+
+The wheel is a surface of revolution, the rail a prism. In the projection along the track the wheel's outline is its
+silhouette: on the circle of every profile point the place whose normal has no longitudinal component. Distances are
+those of its points to the polygon of the rail. NumPy and SciPy only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from benchmarks.population.profiles import Shape, resampled
+from wheelrail.support.arrays import Array
+
+FINE = 1e-4  # m, spacing of the points: 0.1 µm off an arc of 13 mm
+STEEPEST = 0.7  # sine of the largest angle about the axle at which a silhouette is looked for
+
+
+@dataclass(frozen=True)
+class Position:
+    """Position of the wheelset: y, z above the nominal height, m; roll, yaw, rad."""
+
+    y: float
+    z: float
+    roll: float
+    yaw: float
+
+    def mirrored(self) -> Position:
+        return Position(-self.y, self.z, -self.roll, -self.yaw)
+
+
+@dataclass(frozen=True)
+class Section:
+    """Overlap of the outlines.
+
+    Parameters:
+        y: (n,) m, on the wheel's profile from the rolling circle.
+        place: (n, 3) m, in the frame of the rail.
+        depth: (n,) m, penetration of the points into the rail; negative is the distance.
+        height: (n,) m, above the rail vertically; inf beside it.
+    """
+
+    y: Array
+    place: Array
+    depth: Array
+    height: Array
+
+
+@dataclass(frozen=True)
+class RigidSide:
+    """Wheel and rail of one side, as a left-hand pair.
+
+    Parameters:
+        wheel, rail: shapes.
+        inclination: of the rail, rad.
+        radius: of the wheel, m.
+        nominal: radius of the wheelset m, of whose centre the height is counted.
+        wheel_y: m, from the wheelset's centre to the rolling circle.
+        gauge, gauge_height: m.
+    """
+
+    wheel: Shape
+    rail: Shape
+    inclination: float
+    radius: float
+    nominal: float
+    wheel_y: float
+    gauge: float
+    gauge_height: float
+
+    @cached_property
+    def wheel_points(self) -> Array:
+        """Points (n, 2) m with z = 0 on the rolling circle."""
+        points = resampled(self.wheel.points, FINE)
+        return np.asarray(points - (0.0, float(np.interp(0.0, points[:, 0], points[:, 1]))))
+
+    @cached_property
+    def rail_points(self) -> Array:
+        """Points (n, 2) m of the inclined rail from its top."""
+        points, c, s = resampled(self.rail.points, FINE), np.cos(self.inclination), np.sin(self.inclination)
+        turned = points @ np.array([[c, s], [-s, c]])
+        return np.asarray(turned - _highest(turned))
+
+    @cached_property
+    def rail_y(self) -> float:
+        """Lateral position m of the rail's top from the middle of the track."""
+        y, z = self.rail_points.T
+        top = int(np.argmax(z))
+        below = np.flatnonzero(z[:top] <= -self.gauge_height)
+        first = below[-1] if len(below) else -1
+        inner = [*y[first + 1 : top]]
+        if first >= 0:
+            inner.append(np.interp(-self.gauge_height, z[first : first + 2], y[first : first + 2]))
+        return float(0.5 * self.gauge - min(inner))
+
+    def outline(self, at: Position) -> Array:
+        """Points (n, 3) m of the wheel's silhouette in the frame of the rail."""
+        c, s, cy, sy = np.cos(at.roll), np.sin(at.roll), np.cos(at.yaw), np.sin(at.yaw)
+        rotation = np.array([[cy, -sy * c, sy * s], [sy, cy * c, -cy * s], [0.0, s, c]])
+        centre = np.array([0.0, at.y - self.rail_y, self.nominal + at.z]) + rotation @ [0.0, self.wheel_y, 0.0]
+        return self.silhouette(centre, rotation)
+
+    def silhouette(self, centre: Array, rotation: Array) -> Array:
+        """Points (n, 3) m of the silhouette of a wheel with a centre (3,) m and axes (3, 3) in the frame of the rail.
+
+        n = -tz e_y + ty e_r at the angle a, e_r = (sin a, 0, -cos a), is normal to x where
+        R00 sin a - R02 cos a = R01 tz / ty.
+        """
+        y, z = self.wheel_points.T
+        ty, tz = np.gradient(self.wheel_points, axis=0).T
+        size, phase = np.hypot(rotation[0, 0], rotation[0, 2]), np.arctan2(rotation[0, 2], rotation[0, 0])
+        sine = rotation[0, 1] * tz / np.where(np.abs(ty) > 1e-12, ty, 1e-12) / size
+        angle = phase + np.arcsin(np.clip(sine, -STEEPEST, STEEPEST))
+        r = self.radius + z
+        return np.asarray(centre + np.column_stack([r * np.sin(angle), y, -r * np.cos(angle)]) @ rotation.T)
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        return cKDTree(self.rail_points)
+
+    def depth(self, places: Array) -> Array:
+        """Penetrations (n,) m of points (n, 2) into the rail; negative is the distance."""
+        rail = self.rail_points
+        _, nearest = self._tree.query(places)
+        best, inside = np.full(len(places), np.inf), np.zeros(len(places), dtype=bool)
+        for first in (nearest - 1, nearest):
+            at = np.clip(first, 0, len(rail) - 2)
+            a, d = rail[at], rail[at + 1] - rail[at]
+            t = ((places - a) * d).sum(axis=1) / (d * d).sum(axis=1)
+            off = places - a - np.clip(t, 0.0, 1.0)[:, None] * d
+            distance = np.hypot(*off.T)
+            below = d[:, 0] * off[:, 1] - d[:, 1] * off[:, 0] < 0.0
+            beyond = ((at == 0) & (t < 0.0)) | ((at == len(rail) - 2) & (t > 1.0))
+            closer = distance < best
+            best, inside = np.where(closer, distance, best), np.where(closer, below & ~beyond, inside)
+        return np.where(inside, best, -best)
+
+    @cached_property
+    def _roof(self) -> Array:
+        """Highest points (n, 2) m of the rail over ascending y."""
+        y, z = self.rail_points.T
+        top = int(np.argmax(z))
+        # towards both ends the rail is seen from above: y must not step back
+        left = np.minimum.accumulate(y[top::-1])[::-1]
+        right = np.maximum.accumulate(y[top:])
+        return np.column_stack([np.concatenate([left, right[1:]]), z])
+
+    def section(self, at: Position) -> Section:
+        """Overlap at a position."""
+        return self.overlap(self.outline(at))
+
+    def overlap(self, place: Array) -> Section:
+        """Overlap of a silhouette (n, 3) m."""
+        roof = self._roof
+        over = np.interp(place[:, 1], roof[:, 0], roof[:, 1], left=-np.inf, right=-np.inf)
+        return Section(self.wheel_points[:, 0], place, self.depth(place[:, 1:]), place[:, 2] - over)
+
+    def first_contact(self, at: Position) -> float:
+        """Height z m of the wheelset at which the wheel, lowered from above, touches; -inf beside the rail."""
+        return at.z - float(self.section(at).height.min())
+
+
+def _highest(points: Array) -> Array:
+    """Highest point (2,) m, by the parabola through three points (n, 2) m."""
+    top = int(np.clip(np.argmax(points[:, 1]), 1, len(points) - 2))
+    y, z = points[top - 1 : top + 2].T
+    a, b, _ = np.polyfit(y - y[1], z - z[1], 2)
+    if not a < 0.0:
+        return np.asarray(points[np.argmax(points[:, 1])])
+    off = float(np.clip(-0.5 * b / a, y[0] - y[1], y[2] - y[1]))
+    return np.array([y[1] + off, z[1] + (a * off + b) * off])

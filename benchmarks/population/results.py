@@ -1,0 +1,97 @@
+"""What a user sees of one solved side, as numbers, in the frame of a left-hand rail."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.contact.kinematics.frames import MIRROR, Side
+from wheelrail.support.arrays import Array
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+FLAT = np.array([1.0, -1.0])  # mirror image of tangential components
+
+
+@dataclass(frozen=True)
+class SideResult:
+    """Solved contact of one side, that of a right-hand one as its mirror image.
+
+    Parameters:
+        status: of the solve.
+        force, moment: (3,) N and N m on the wheel, moment about the wheelset's centre.
+        approach: m.
+        z, roll: of the wheelset, m and rad.
+        origin, rotation: (3,) m and (3, 3), pose of the wheel.
+        patch_force, bands: (p, 3) N and (p, 2) m, force and lateral extent on the wheel of every patch.
+        normal_force, peak: (p,) N and Pa, of the patches.
+        strips: (p,), across the patches.
+        position, axes: (n, 3) m and (n, 3, 3), of the contact points.
+        area, pressure: (n,) m2 and Pa.
+        traction, slip: (n, 2) Pa on the wheel, and over the rolling speed.
+    """
+
+    status: str
+    force: Array
+    moment: Array
+    approach: float
+    z: float
+    roll: float
+    origin: Array
+    rotation: Array
+    patch_force: Array
+    bands: Array
+    normal_force: Array
+    peak: Array
+    strips: Array
+    position: Array
+    axes: Array
+    area: Array
+    pressure: Array
+    traction: Array
+    slip: Array
+
+    @property
+    def load(self) -> float:
+        """Magnitude N of the force."""
+        return float(np.linalg.norm(self.force))
+
+
+def side_result(data: Dataset, side: Side) -> SideResult:
+    """Result of one side of a solution's data."""
+    own, mirror = data.sel(side=side), side == "right"
+    vector, flat = (MIRROR, FLAT) if mirror else (np.ones(3), np.ones(2))
+    points = data.isel(point=np.flatnonzero(data["point_side"].values == side))
+    count = int(own["patches"])
+
+    def wrench(kinds: tuple[str, str, str], name: str) -> Array:
+        return np.array([float(own[f"{kind}_{name}"]) for kind in kinds])
+
+    def of_patches(name: str) -> Array:
+        return np.asarray(own[name].values[:count])
+
+    values: dict[str, Any] = {
+        "status": str(own["status"].values),
+        "force": vector * wrench(("longitudinal", "lateral", "vertical"), "force"),
+        "moment": vector * vector.prod() * wrench(("roll", "spin", "yaw"), "moment"),
+        "approach": float(own["approach"]),
+        "z": float(own["z"]),
+        "roll": float(own["roll"]) * (-1.0 if mirror else 1.0),
+        "origin": vector * own["wheel_origin"].values,
+        "rotation": own["wheel_rotation"].values * np.outer(vector, vector),
+        "patch_force": vector * of_patches("patch_force"),
+        "bands": of_patches("wheel_band"),
+        "normal_force": of_patches("patch_normal_force"),
+        "peak": of_patches("patch_max_pressure"),
+        "strips": of_patches("patch_strips"),
+        "position": points["position"].values * vector,
+        "axes": points["axes"].values * vector * np.array([1.0, vector[1], 1.0])[:, None],
+        "area": points["area"].values,
+        "pressure": points["pressure"].values,
+        "traction": points["traction"].values * flat,
+        "slip": points["slip"].values * flat,
+    }
+    return SideResult(**values)
