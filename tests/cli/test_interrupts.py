@@ -9,6 +9,7 @@ import sys
 import threading
 import weakref
 from collections.abc import Iterator
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +17,7 @@ import numba
 import pytest
 
 from wheelrail.support import interrupts
-from wheelrail.support.interrupts import check_interrupt, deferred_interrupts
+from wheelrail.support.interrupts import answered_interrupts, check_interrupt, deferred_interrupts
 
 ROOT = Path(__file__).parents[2]
 
@@ -45,6 +46,31 @@ def test_ctrl_c_is_deferred_to_the_next_check() -> None:
             check_interrupt()
         check_interrupt()  # one Ctrl-C only
     assert done == ["went on"]
+
+
+@pytest.mark.parametrize("deferred", [False, True])
+def test_ctrl_c_while_machine_code_is_made_is_answered_at_once(deferred: bool) -> None:
+    done = []
+    with deferred_interrupts() if deferred else nullcontext():
+        with pytest.raises(KeyboardInterrupt), answered_interrupts():  # noqa: PT012
+            done.append("began")
+            with answered_interrupts():
+                ctrl_c()
+                done.append("went on")
+        check_interrupt()  # one Ctrl-C only
+        with answered_interrupts():
+            done.append("another")
+    assert done == ["began", "another"]
+
+
+def test_ctrl_c_that_a_callback_loses_is_answered_by_the_next_function() -> None:
+    with pytest.raises(KeyboardInterrupt), answered_interrupts():  # noqa: PT012
+        with suppress(KeyboardInterrupt):  # as ctypes and weak references do
+            ctrl_c()
+        with answered_interrupts():
+            pytest.fail("compiled on")
+    with answered_interrupts():
+        pass
 
 
 def test_ctrl_c_is_raised_at_the_end_of_an_unchecked_block() -> None:

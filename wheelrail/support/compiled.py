@@ -13,7 +13,7 @@ from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 from numba.extending import intrinsic
 
-from wheelrail.support.machine_code import TolerantCache, folder, made_once
+from wheelrail.support.machine_code import Compilation, TolerantCache, folder, made_once
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -40,6 +40,7 @@ def compiled(
     """
     dispatcher = njit(nogil=True, error_model=error_model, _nrt=counts, inline=inline)(_movable(function))
     dispatcher.compile = _kept(dispatcher)
+    Compilation.present.known += 1
     return cast(F, dispatcher)
 
 

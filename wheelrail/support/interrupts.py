@@ -60,28 +60,39 @@ def deferred_interrupts() -> Iterator[None]:
             before(signal.SIGINT, None)
 
 
+_lost = False  # whether a Ctrl-C was raised in `answered_interrupts` and has not arrived
+
+
 @contextmanager
 def answered_interrupts() -> Iterator[None]:
-    """Ctrl-C within `deferred_interrupts` is answered at once in this block, whose work is lost: compilation."""
-    waiting = _waiting
-    if waiting is None or current_thread() is not main_thread():
+    """Ctrl-C is answered at once in this block, also within `deferred_interrupts`: it loses no more than compilation.
+
+    An exception that is lost in a callback is raised again at the next begin or end of such a block.
+    """
+    global _lost
+    before = signal.getsignal(signal.SIGINT)
+    if current_thread() is not main_thread() or not callable(before):
         yield
         return
 
     def raised(number: int, frame: FrameType | None) -> None:
-        waiting(number, frame)
+        global _lost
+        _lost = True
         raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, raised)
+    signal.signal(signal.SIGINT, raised)
     try:
         check_interrupt()
+        if _lost:
+            raise KeyboardInterrupt
         yield
+        if _lost:
+            raise KeyboardInterrupt
     except KeyboardInterrupt:
-        waiting.time = None
+        _lost = False
         raise
     finally:
         signal.signal(signal.SIGINT, before)
-    check_interrupt()  # one whose exception was lost in a callback
 
 
 def check_interrupt() -> None:

@@ -237,6 +237,7 @@ class Compilation:
     present: Compilation
 
     def __init__(self) -> None:
+        self.known = 0  # functions that may be compiled
         self.compiled = 0
         self.files: set[str] = set()  # first parts of the names of all functions' files
         self._start = self._said = -1.0
@@ -253,7 +254,7 @@ class Compilation:
             self._said = now
             log.info(
                 "compiling machine code: %d functions in %.0f s, of at most %d; only this once",
-                *(self.compiled, now - self._start, len(self.files)),
+                *(self.compiled, now - self._start, self.known),
             )
 
 
