@@ -143,7 +143,7 @@ def _overlap(situation: Situation, section: Section, result: SideResult) -> Iter
     excess = depth[outside] - lowering(section.place[outside], result)
     margin = TOUCH + 0.1 * max(within, 0.0)
     if (
-        flexible
+        flexible(situation)
         or situation.wheelset.get("bodies") in ("waveguide", "solid")
         or situation.wheelset.get("model") == "full"
     ):

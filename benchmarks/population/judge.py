@@ -177,14 +177,14 @@ def started_elsewhere(situation: Situation, results: Mapping[Side, SideResult]) 
     """Differences between solves of an element from none and from another result."""
     import wheelrail as wr
 
-    element = wr.Wheelset(**with_profiles(situation.wheelset)).element()
+    wheelset = wr.Wheelset(**with_profiles(situation.wheelset))
     motion = {
         key: value for key, value in situation.solve.items() if key in ("y", "yaw") or "rate" in key or key == "speed"
     }
     for side, result in results.items():
         if result.status != "converged":
             continue
-        own = element if len(results) == 1 else wr.Wheelset(**with_profiles(situation.wheelset)).element()
+        own = wheelset.element()
         at = {**motion, "z": result.z, "roll": result.roll if side == "left" else -result.roll}
         cold = own.solve(**at).results[side]
         own.solve(**{**at, **{key: at[key] + step for key, step in STEP.items()}})
@@ -219,7 +219,8 @@ def against_standard(situation: Situation, results: Mapping[Side, SideResult]) -
             continue
         band = BAND_APPROACH * max(result.approach, standard.approach) + TOUCH
         if abs(result.z - standard.z) > band and situation.solve.get("roll") != "solve":
-            yield f"{side}: {1e6 * (result.z - standard.z):.1f} um above the standard contact, approach {1e6 * result.approach:.1f} um"
+            above = 1e6 * (result.z - standard.z)
+            yield f"{side}: {above:.1f} um above the standard contact, approach {1e6 * result.approach:.1f} um"
         off = np.abs(result.force - standard.force)[:2].max() / result.load
         if off > BAND_FORCE * max(mu, 1e-3) and len(result.peak) == len(standard.peak) == 1:
             yield f"{side}: force {off:.2f} of the load off the standard contact's at friction {mu:g}"

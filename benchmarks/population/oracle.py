@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
-from benchmarks.population.profiles import Shape, resampled
+from benchmarks.population.profiles import Shape, arc
 from wheelrail.support.arrays import Array
 
 FINE = 1e-4  # m, spacing of the points: 0.1 µm off an arc of 13 mm
@@ -75,13 +76,13 @@ class RigidSide:
     @cached_property
     def wheel_points(self) -> Array:
         """Points (n, 2) m with z = 0 on the rolling circle."""
-        points = resampled(self.wheel.points, FINE)
+        points = _dense(self.wheel.points)
         return np.asarray(points - (0.0, float(np.interp(0.0, points[:, 0], points[:, 1]))))
 
     @cached_property
     def rail_points(self) -> Array:
         """Points (n, 2) m of the inclined rail from its top."""
-        points, c, s = resampled(self.rail.points, FINE), np.cos(self.inclination), np.sin(self.inclination)
+        points, c, s = _dense(self.rail.points), np.cos(self.inclination), np.sin(self.inclination)
         turned = points @ np.array([[c, s], [-s, c]])
         return np.asarray(turned - _highest(turned))
 
@@ -162,6 +163,13 @@ class RigidSide:
     def first_contact(self, at: Position) -> float:
         """Height z m of the wheelset at which the wheel, lowered from above, touches; -inf beside the rail."""
         return at.z - float(self.section(at).height.min())
+
+
+def _dense(points: Array) -> Array:
+    """Points FINE apart on a cubic spline through given ones (n, 2) m."""
+    s = arc(points)
+    at = np.linspace(0.0, s[-1], int(np.ceil(s[-1] / FINE)) + 1)
+    return np.asarray(CubicSpline(s, points)(at))
 
 
 def _highest(points: Array) -> Array:
