@@ -71,7 +71,7 @@ class Shape:
             own = file.with_suffix(f".{os.getpid()}")
             own.write_text(text, encoding="utf-8")
             own.replace(file)
-        return wr.profile(file)
+        return wr.profile(file, rolling_circle=0.0 if self.kind == "wheel" else None)
 
 
 def wheel(base: str, **parameters: float) -> Shape:

@@ -46,7 +46,7 @@ def run(seeds: Sequence[int], plan: Plan) -> list[Verdict]:
             found.append(verdict)
             counts = Counter(v.kind for v in found)
             bar.update(task, advance=1, description=", ".join(f"{counts[kind]} {kind}" for kind in KINDS))
-            if not sys.stderr.isatty() and len(found) % 50 == 0:
+            if not sys.stderr.isatty() and len(found) % 20 == 0:
                 left = (perf_counter() - began) / len(found) * (len(seeds) - len(found))
                 print(f"{len(found)} of {len(seeds)}: {dict(counts)}, {left:.0f} s left", file=sys.stderr, flush=True)
     return sorted(found, key=lambda verdict: verdict.seed)
