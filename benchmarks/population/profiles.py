@@ -159,7 +159,7 @@ def cone(slope: float = 0.05, face: float = 1.22, root: float = 13e-3, thickness
 
 def disc(crown: float = 0.3, width: float = 60e-3) -> Array:
     """A roller without a flange, of a test rig, with a crown radius m."""
-    y = np.linspace(-0.5 * width, 0.5 * width, 400)
+    y = np.linspace(-0.5 * width, 0.5 * width, 1201)
     return np.column_stack([y, np.sqrt(crown**2 - y**2) - crown])
 
 

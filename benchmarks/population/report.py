@@ -17,7 +17,8 @@ import logging
 import re
 import sys
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
@@ -35,20 +36,31 @@ QUICK = 40  # situations
 EXAMPLES = 3  # of a cluster
 
 
-def run(seeds: Sequence[int], plan: Plan) -> list[Verdict]:
-    """Judges situations, with progress on a terminal, in the order of their seeds."""
-    console, found = Console(stderr=True), list[Verdict]()
+def run(seeds: Sequence[int], plan: Plan, kept: Callable[[Verdict], None] = lambda _: None) -> list[Verdict]:
+    """Judges situations, with progress, in the order of their seeds; those judged so far at Ctrl-C.
+
+    Parameters:
+        seeds: of the situations.
+        plan: of the work.
+        kept: called with every verdict.
+    """
+    console, found, began = Console(stderr=True), list[Verdict](), perf_counter()
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
-    with Progress(*columns, TimeRemainingColumn(), console=console, disable=not sys.stderr.isatty()) as bar:
+    terminal = sys.stderr.isatty()
+    with (
+        Progress(*columns, TimeRemainingColumn(), console=console, disable=not terminal) as bar,
+        suppress(KeyboardInterrupt),
+    ):
         task = bar.add_task("situations", total=len(seeds))
-        began = perf_counter()
         for verdict in verdicts(seeds, plan):
             found.append(verdict)
+            kept(verdict)
             counts = Counter(v.kind for v in found)
-            bar.update(task, advance=1, description=", ".join(f"{counts[kind]} {kind}" for kind in KINDS))
-            if not sys.stderr.isatty() and len(found) % 20 == 0:
+            text = ", ".join(f"{counts[kind]} {kind}" for kind in KINDS)
+            bar.update(task, advance=1, description=text)
+            if not terminal and len(found) % 20 == 0:
                 left = (perf_counter() - began) / len(found) * (len(seeds) - len(found))
-                print(f"{len(found)} of {len(seeds)}: {dict(counts)}, {left:.0f} s left", file=sys.stderr, flush=True)
+                print(f"{len(found)} of {len(seeds)}: {text}, {left:.0f} s left", file=sys.stderr, flush=True)
     return sorted(found, key=lambda verdict: verdict.seed)
 
 
@@ -84,13 +96,11 @@ def show(found: Sequence[Verdict]) -> str:
     return "\n".join(lines)
 
 
-def failures(found: Iterable[Verdict]) -> str:
-    """Failures as lines of Python, each after its reason."""
-    lines = [HEADER]
-    for verdict in found:
-        if verdict.kind in KINDS[2:]:
-            lines.append(f"# seed {verdict.seed}, {verdict.kind}: {' '.join(verdict.reason.split())}\n{verdict.line}\n")
-    return "\n".join(lines)
+def reproduction(verdict: Verdict) -> str:
+    """A failure as a line of Python after its reason; empty for others."""
+    if verdict.kind not in KINDS[2:]:
+        return ""
+    return f"\n# seed {verdict.seed}, {verdict.kind}: {' '.join(verdict.reason.split())}\n{verdict.line}\n"
 
 
 def details(verdict: Verdict) -> str:
@@ -126,11 +136,16 @@ def main() -> None:
     count = min(arguments.count, QUICK) if arguments.quick else arguments.count
     plan = Plan(arguments.processes, arguments.limit, measured, arguments.quick)
     machine, began = machine_description(), perf_counter()
-    found = run(range(arguments.seed, arguments.seed + count), plan)
+    with arguments.failures.open("w", encoding="utf-8", buffering=1) as file:
+        file.write(HEADER)
+        found = run(
+            range(arguments.seed, arguments.seed + count),
+            plan,
+            lambda verdict: print(reproduction(verdict), end="", file=file),
+        )
     print(
         f"{machine}; {count} situations from seed {arguments.seed} in {perf_counter() - began:.0f} s\n\n{show(found)}"
     )
-    arguments.failures.write_text(failures(found), encoding="utf-8")
     print(f"\nreproductions in {arguments.failures}")
     if arguments.json:
         report = {"machine": machine, "seed": arguments.seed, "verdicts": [asdict(verdict) for verdict in found]}

@@ -1,0 +1,187 @@
+"""The population of situations: what it draws, its oracle against closed forms, and faults that its judge detects."""
+
+from __future__ import annotations
+
+import builtins
+from dataclasses import replace
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from benchmarks.population import judge as judge_module
+from benchmarks.population.checks import broken, lowering
+from benchmarks.population.draw import Situation, situation
+from benchmarks.population.judge import explanation, faults, judged, of_exception, solved
+from benchmarks.population.oracle import Position, RigidSide
+from benchmarks.population.profiles import Shape, rail, wheel
+from benchmarks.population.report import reproduction, show
+from benchmarks.population.results import SideResult, side_result
+from benchmarks.population.workers import Plan, verdicts
+
+MANY = 250  # situations
+
+
+def arguments_of(line: str, monkeypatch: pytest.MonkeyPatch) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Arguments of a line of Python, shapes in place of profiles."""
+    monkeypatch.setattr(Shape, "profile", property(lambda shape: shape))
+    made: list[dict[str, Any]] = []
+
+    class Wheelset:
+        def __init__(self, **arguments: Any) -> None:
+            made.append(arguments)
+
+        def solve(self, **arguments: Any) -> None:
+            made.append(arguments)
+
+    builtins.eval(line, {"wr": SimpleNamespace(Wheelset=Wheelset), "wheel": wheel, "rail": rail})
+    return made[0], made[1]
+
+
+def test_a_seed_gives_one_situation_and_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    for seed in range(40):
+        drawn = situation(seed)
+        assert drawn == situation(seed)
+        assert arguments_of(str(drawn), monkeypatch) == (drawn.wheelset, drawn.solve)
+        assert drawn.mirrored().mirrored() == drawn
+
+
+def test_the_population_covers_its_ranges() -> None:
+    many = [situation(seed) for seed in range(MANY)]
+    for name, low, high in (("y", -0.05, 0.05), ("yaw", -0.02, 0.02), ("speed", 0.2, 60.0)):
+        values = np.array([own.solve[name] for own in many])
+        assert values.min() < low
+        assert values.max() > high
+    loads = np.array([own.solve["wheel_load"] for own in many if "wheel_load" in own.solve])
+    assert loads.min() < 10.0
+    assert loads.max() > 1.4e5
+    assert {own.wheelset["gauge"] for own in many} >= {1.0, 1.435, 1.676}
+    assert {own.wheelset["wheel"].base for own in many} == {"S1002", "cone", "disc"}
+    assert {own.wheelset["rail"].base for own in many} == {"60E1", "arcs", "groove", "flat"}
+    kinds = {next(key for key in ("wheel_load", "axle_load", "z") if key in own.solve) for own in many}
+    assert kinds == {"wheel_load", "axle_load", "z"}
+    models = {(own.wheelset.get("model"), own.wheelset.get("bodies"), own.wheelset.get("points")) for own in many}
+    assert models >= {("standard", None, None), (None, "half-space", None), (None, "waveguide", "grid")}
+
+
+def roller(radius: float = 0.46, crown: float = 0.3) -> RigidSide:
+    """A roller with a crown radius on a flat rail, its centre 10 mm to the field side of the rail's."""
+    return RigidSide(wheel("disc", crown=crown), rail("flat"), 0.0, radius, 0.46, 0.76, 1.435, 0.014)
+
+
+@pytest.mark.parametrize("roll", [0.0, 5e-3, -8e-3])
+@pytest.mark.parametrize("yaw", [0.0, 2e-2])
+def test_first_contact_of_a_torus_on_a_plane(roll: float, yaw: float) -> None:
+    side, crown = roller(), 0.3
+    # splines overshoot the ends of the rail's flat top by 2e-8 m
+    # the centres of the crown's circles lie on one of radius R - crown about the axle
+    lowest = 0.46 + 0.76 * np.sin(roll) - (0.46 - crown) * np.cos(roll) - crown
+    assert side.first_contact(Position(0.0, 0.0, roll, yaw)) == pytest.approx(-lowest, abs=5e-8)
+    for z in (-2e-4, 1e-3):
+        deepest = side.section(Position(0.0, z, roll, yaw)).depth.max()
+        assert deepest == pytest.approx(-lowest - z, abs=5e-8)
+
+
+def test_the_gauge_of_an_inclined_rail() -> None:
+    from wheelrail.meshes.profiles.named import named_profile
+
+    side = replace(roller(), rail=rail("60E1"), inclination=0.05)
+    assert side.rail_y == pytest.approx(named_profile("60E1").inclined(0.05).gauge_offset(1.435, 0.014), abs=2e-6)
+
+
+@cache
+def example() -> tuple[Situation, SideResult]:
+    """The left side of a situation with the standard contact, in a curve."""
+    own = Situation(
+        0,
+        {
+            **{"wheel": wheel("S1002"), "rail": rail("60E1"), "laying_angle": 0.025, "radius": 0.46, "gauge": 1.435},
+            **{"flange_back_distance": 1.36, "curvature": 0.0, "friction": 0.3, "model": "standard"},
+        },
+        {"y": 2e-3, "yaw": 1e-3, "roll": 0.0, "wheel_load": 6e4, "speed": 20.0},
+    )
+    return own, side_result(solved(own).data, "left")
+
+
+def test_a_right_result_breaks_nothing() -> None:
+    own, result = example()
+    assert broken(own, "left", result) == []
+
+
+@pytest.mark.parametrize(
+    ("planted", "found"),
+    [
+        ({"force": (0.0, 0.0, 5.9e4)}, "vertical force 59000"),
+        ({"moment": (0.0, 0.0, 0.0)}, "the moment differs"),
+        ({"approach": 1e-5}, "where the overlap is"),
+        ({"z": -1e-3}, "where the overlap is"),
+        ({"roll": 1e-3}, "roll 0.001 rad where 0 is given"),
+        ({"status": "separated"}, "separated with an overlap"),
+        ({"force": (np.nan, 0.0, 6e4)}, "force is not finite"),
+        ({"bands": -2e-2}, "remains outside the contacts"),
+        ({"pressure": -0.02}, "tension of"),
+        ({"traction": 5.0}, "sum of the tractions"),
+        ({"slip": -1.0}, "friction does work"),
+    ],
+)
+def test_planted_faults_are_detected(planted: dict[str, Any], found: str) -> None:
+    own, result = example()
+    ((name, value),) = planted.items()
+    if name == "bands":
+        value = result.bands + value
+    elif name == "pressure":
+        value = np.where(np.arange(len(result.pressure)) == 0, value * result.pressure.max(), result.pressure)
+    elif name in ("traction", "slip"):
+        value = value * getattr(result, name)
+    elif isinstance(value, tuple):
+        value = np.array(value)
+    texts = broken(own, "left", replace(result, **{name: value}))
+    assert any(found in text for text in texts), texts
+
+
+def test_the_lowering_of_half_spaces_is_that_of_a_point_load_far_away() -> None:
+    _, result = example()
+    far = result.position[:1] + np.array([0.0, 0.5, 0.0])
+    normal = (result.pressure * result.area).sum()
+    assert lowering(far, result)[0] == pytest.approx(2 * 0.91 * normal / (np.pi * 2.1e11 * 0.5), rel=2e-2)
+
+
+def test_the_load_of_an_axle_is_that_of_both_wheels() -> None:
+    own, result = example()
+    axle = replace(own, solve={**{k: v for k, v in own.solve.items() if k != "wheel_load"}, "axle_load": 1.3e5})
+    assert any("130000 N are asked for" in text for text in faults(axle, {"left": result, "right": result}))
+
+
+def test_exceptions_and_failures() -> None:
+    from wheelrail.scenes.schema.errors import SceneError
+
+    own, _ = example()
+    light = replace(own, solve={**own.solve, "wheel_load": 1.0})
+    text = "Wheelset: wheel_load = 1.0: must be a number from 1000 to 1e+06 N"
+    assert of_exception(light, SceneError(text))[0] == "explained failure"
+    assert of_exception(own, SceneError(text))[0] == "unexplained failure"
+    assert of_exception(own, ZeroDivisionError("division by zero"))[0] == "wrong"
+    failed = replace(example()[1], status="failed: 60000 N not reached within 0.05 m, nearest 0 N")
+    assert explanation(own, "left", failed) == ""
+    beside = replace(own, wheelset={**own.wheelset, "gauge": 1.676}, solve={**own.solve, "y": -9e-2})
+    assert explanation(beside, "left", failed) == "beside the rail"
+
+
+def test_verdicts_and_their_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    own, _ = example()
+    right = judged(own)
+    assert (right.kind, right.reason) == ("right", "")
+    monkeypatch.setattr(judge_module, "solved", lambda _: (_ for _ in ()).throw(ZeroDivisionError("division by zero")))
+    wrong = judged(own)
+    assert wrong.kind == "wrong"
+    assert reproduction(right) == ""
+    assert f"\n{own}\n" in reproduction(wrong)
+    assert "| standard | 1 | 0 | 0 | 1 |" in show([right, wrong])
+
+
+def test_a_situation_without_an_end_is_a_failure() -> None:
+    (verdict,) = verdicts([3], Plan(limit=0.0, quick=True))
+    assert verdict.kind == "unexplained failure"
+    assert verdict.reason == "no result in 0 s"
