@@ -25,6 +25,8 @@ RECENT = tuple(int(part) for part in dolfinx.__version__.split(".")[:2]) >= (0, 
 
 # Results have a status; warnings of dolfinx on standard error, as on a step that its solvers repeat, add nothing to it.
 dolfinx.log.set_log_level(dolfinx.log.LogLevel.ERROR)
+# Forms are compiled through distutils, which reports every command of the C compiler to the root logger.
+logging.getLogger().addFilter(lambda record: record.levelno >= logging.WARNING or "distutils" not in record.pathname)
 
 
 def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: NDArray[Any], points: NDArray[Any]) -> Any:

@@ -222,7 +222,8 @@ def hertz_scenes(t: Table) -> None:
         ("nu of no steel", "nu = 0.3", "nu = 30", "upper.nu = 30", "-1 and 0.5"),
         ("radii in mm", "radii = [0.46, 0.3]", "radii = [460, 300]", "upper.radii[0] = 460", "100 m"),
         ("radius of zero", "radii = [0.46, 0.3]", "radii = [0, 0.3]", "upper.radii[0] = 0"),
-        ("body missing", "[lower]", "[below]", "lower: missing"),
+        ("body missing", "[lower]", "[bottom]", "bottom", "unknown key", "lower: missing"),
+        ("body under another name", "[lower]", "[below]", "unknown key; did you mean lower?"),
         ("table as number", "[upper]", "lower = 3\n[upper]", "not valid TOML"),
         ("depth in mm", "[upper]", "[stress]\ndepths = [2.0]\n[upper]", "stress.depths[0] = 2.0", "2e-3"),
     ):
@@ -248,6 +249,10 @@ def wheelset_scenes(t: Table) -> None:
         ("profile that is nowhere", '"S1002"', '"S1003.prw"', 'profiles.wheel = "S1003.prw"', "S1002", "existing file"),
         ("rail for a wheel", '"S1002"', '"60E1"', 'profiles.wheel = "60E1"', "S1002"),
         ("profile as number", '"S1002"', "1002", "profiles.wheel = 1002", "a string"),
+        ("profile in lower case", '"S1002"', '"s1002"', 'profiles.wheel = "s1002"', "did you mean S1002?"),
+        ("curve radius", "curvature = 0.0", "radius = 300.0", "track.radius = 300.0", "track.curvature = 1/radius?"),
+        ("diameter", "radius = 0.46", "diameter = 0.92", "wheelset.diameter = 0.92", "wheelset.radius, half of it?"),
+        ("key in another table", "y = -0.002", "gague = 1.435", "wheelset.gague = 1.435", "did you mean track.gauge?"),
     ):
         t.scene(f"wheelset: {name}", WHEELSET, old, new, *says)
 
@@ -276,6 +281,8 @@ def run_scenes(t: Table) -> None:
         ("array for a table", "[solver]", "[[solver]]", "solver", "method"),
     ):
         t.scene(f"run: {name}", CURVE, old, new, *says)
+    comma = changed(CURVE, "cant = 0.06 ", "cant = 0,06 ")
+    t.add("run: decimal comma", ("scene.toml, line", "0,06", "decimal point: 0.06"), {"scene.toml": comma}, RUN)
     for name, old, new, *says in (
         ("segments of no number", "length = 20.0", 'length = "20"', "track.segments[0].length", "m"),
         ("radius in km", "radius = 800.0", "radius = 0.8", "track.segments[2].radius = 0.8", "at least 50"),

@@ -22,6 +22,7 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER
+from wheelrail.scenes.html_report.vehicle_page import body_table
 from wheelrail.scenes.html_report.write import write_report
 from wheelrail.scenes.plots.vehicle_runs import PICTURES
 from wheelrail.scenes.runs.hunting import _bifurcation, fold_line, hunting_table
@@ -130,6 +131,12 @@ def test_report(whole: Path, tmp_path: Path) -> None:
     for text in ("wheelset_4", "Plan view of the wheelsets", "unloading of a wheel", "Manchester benchmark vehicle 1"):
         assert text in page
     assert page.count("data:image/") == 8
+    table = body_table(results(whole))
+    assert {row[0]: row[table.head.index("pitch [mrad]")] for row in table.rows if row[0].startswith("wheelset")} == {
+        f"wheelset_{i}": "–"
+        for i in (1, 2, 3, 4)  # they roll
+    }
+    assert "the rise of its chord" in page
 
 
 def test_explicit_methods_are_refused(tmp_path: Path) -> None:

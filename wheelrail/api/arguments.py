@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.scene import Scene, checked
+from wheelrail.scenes.schema.messages import nearest_name
+from wheelrail.scenes.schema.scene import Scene, checked, warned
 from wheelrail.scenes.schema.tables import SceneTable
 
 if TYPE_CHECKING:
@@ -25,8 +25,8 @@ def check_keys(caller: str, keys: Iterable[str], allowed: Iterable[str]) -> None
     allowed = list(allowed)
     for key in keys:
         if key not in allowed:
-            close = get_close_matches(key, allowed, n=1, cutoff=0.6)
-            hint = f"did you mean {close[0]}?" if close else f"allowed are {', '.join(allowed)}"
+            near = nearest_name(key, allowed)
+            hint = f"did you mean {near}?" if near else f"allowed are {', '.join(allowed)}"
             raise SceneError(f"{caller}: {key}: unknown argument; {hint}")
 
 
@@ -46,7 +46,7 @@ def scene_of(
         sections: keys by section.
         given: profiles passed as objects, by the names that the keys have in place of files.
 
-    Raises SceneError naming argument, value and what is allowed.
+    Warns of unusual values. Raises SceneError naming argument, value and what is allowed.
     """
     data: dict[str, Any] = {"kind": kind, **{section: {} for section in sections}}
     for key, value in keys.items():
@@ -54,7 +54,7 @@ def scene_of(
             continue
         section = next((name for name, own_keys in sections.items() if key in own_keys), None)
         (data if section is None else data[section])[key] = plain(value)
-    return checked(data, caller, given=given, unnamed=sections)
+    return warned(checked(data, caller, given=given, unnamed=sections), caller, sections)
 
 
 def with_names(caller: str, table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Profile]]:

@@ -155,7 +155,7 @@ def run(
     from wheelrail.scenes.runs.run import run_scene, simulate_scene
     from wheelrail.scenes.schema.edits import changed, without
     from wheelrail.scenes.schema.errors import SceneError
-    from wheelrail.scenes.schema.scene import RunScene, checked
+    from wheelrail.scenes.schema.scene import RunScene, checked, warned
     from wheelrail.scenes.schema.toml import parse, read_text
     from wheelrail.support.terminal import messages_on, progress_console
 
@@ -168,7 +168,7 @@ def run(
         removed = [name for name, value in changes.items() if value is None]
         replaced = {name: plain(value) for name, value in changes.items() if value is not None}
         text = tomli_w.dumps(changed(without(parse(text, scene), removed, scene), replaced, scene))
-    run_scene_data = checked(parse(text, scene), scene, given=given)
+    run_scene_data = warned(checked(parse(text, scene), scene, given=given), scene)
     if not isinstance(run_scene_data, RunScene):
         raise SceneError(
             f'{scene}: kind = "{run_scene_data.kind}": must be "run"; for a single contact use wheelrail.load'

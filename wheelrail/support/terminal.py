@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import sys
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -53,7 +54,13 @@ def print_results(*parts: RenderableType) -> None:
 def set_verbosity(*, quiet: bool = False, verbose: bool = False) -> None:
     """Set what goes to standard error: errors only, or also details of the solvers and warnings of libraries."""
     progress_console().quiet = quiet
+    warnings.showwarning = _print_warning  # type: ignore[assignment]
     Verbosity.level = logging.DEBUG if verbose else logging.INFO
+
+
+def _print_warning(message: Warning | str, *_: object) -> None:
+    """Print a warning as one line, without the place in the program where it was raised."""
+    progress_console().print(f"warning: {message}", highlight=False, markup=False, soft_wrap=True)
 
 
 class Verbosity:

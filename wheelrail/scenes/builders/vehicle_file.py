@@ -11,7 +11,7 @@ from pydantic import AllowInfNan, Field, Strict, ValidationError
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.messages import entry_message, validation_error
+from wheelrail.scenes.schema.messages import entry_message, validation_error, warn_of_unusual
 from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.scenes.schema.toml import parse, read_text
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 MANCHESTER = Path(__file__).parents[1] / "examples" / "manchester_vehicle.toml"
 
-Mass = Annotated[q.Finite, q.Range(1.0, 1e6, "kg")]
+Mass = Annotated[q.Finite, q.Range(1.0, 1e6, "kg", "1 t is 1000", usual=(100.0, 2e5))]
 Inertia = Annotated[q.Finite, q.Range(1.0, 1e9, "kg m2")]
 Along = Annotated[q.Finite, q.Range(-100.0, 100.0, "m", "forward of the vehicle's reference point")]
 Across = Annotated[q.Finite, q.Range(-5.0, 5.0, "m", "to the left")]
@@ -104,13 +104,21 @@ def load_vehicle(path: str | Path = MANCHESTER) -> Vehicle:
     Parameters:
         path: vehicle file; by default Manchester benchmark vehicle 1.
 
-    Raises SceneError naming file, key, value and what is allowed.
+    Warns of unusual values. Raises SceneError naming file, key, value and what is allowed.
     """
-    return parse_vehicle(read_text(Path(path)), path)
+    return parse_vehicle(read_text(Path(path)), path, warn=True)
 
 
-def parse_vehicle(text: str, path: str | Path) -> Vehicle:
-    """Vehicle of a TOML text; raises SceneError as `load_vehicle`, naming path."""
+def parse_vehicle(text: str, path: str | Path, *, warn: bool = False) -> Vehicle:
+    """Vehicle of a TOML text.
+
+    Parameters:
+        text: TOML.
+        path: its file, for messages.
+        warn: whether to warn of unusual values.
+
+    Raises SceneError as `load_vehicle`.
+    """
     from wheelrail.vehicle.multibody.static_loads import static_loads
     from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
 
@@ -119,6 +127,8 @@ def parse_vehicle(text: str, path: str | Path) -> Vehicle:
         table = VehicleFileTable.model_validate(data)
     except ValidationError as error:
         raise validation_error(error, VehicleFileTable, data, path) from None
+    if warn:
+        warn_of_unusual(table, path)
     try:
         vehicle = _vehicle(table)
         static_loads(vehicle)  # validates that every body is carried

@@ -28,7 +28,8 @@ BY_WHEEL = ("time", "wheelset", "side")
 BY_ELEMENT = ("time", "element", "axis")
 COORDINATE_TEXTS = {
     "x": "displacement forward of the place in the reference motion, with distance and speed",
-    "y": "lateral displacement from the centre line of the track, positive to the left",
+    "y": "lateral displacement from the centre line of the track at the body's own centre, positive to the left; in a "
+    "curve that of a long body contains the rise of its chord",
     "z": "height above the nominal position",
     "roll": "roll about the track direction",
     "pitch": "pitch; of a wheelset in excess of nominal rolling",

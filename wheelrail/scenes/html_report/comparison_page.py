@@ -10,7 +10,7 @@ from wheelrail.scenes.datasets.run_differences import differences, table
 from wheelrail.scenes.html_report.elements import Page, PageSection, PageTable, Part
 from wheelrail.scenes.html_report.extremes import vehicle_table, wheel_table
 from wheelrail.scenes.html_report.figures import picture
-from wheelrail.scenes.html_report.provenance import opening, origin, pictures, seconds
+from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
 from wheelrail.scenes.html_report.run_page import SIGNS, key_tables
 from wheelrail.scenes.html_report.views import largest_force_view
 from wheelrail.scenes.plots.comparison import PICTURES
@@ -81,7 +81,6 @@ def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folde
         if statuses[0] == statuses[1]
         else "; ".join(f"{n}: {s}" for n, s in zip(names, statuses, strict=True)),
         well=set(statuses) == {"completed"},
-        lead=opening(str(first.attrs["scene"])),
         facts=facts,
         sources={f"Scene, {n}": str(d.attrs["scene"]) for n, d in zip(names, runs, strict=True)},
         sections=sections,

@@ -96,7 +96,6 @@ class Page:
         what: kind of results.
         status: of the computation.
         well: whether it succeeded.
-        lead: introductory paragraph.
         facts: values by label.
         sources: collapsed texts by label.
         sections: in their order.
@@ -106,7 +105,6 @@ class Page:
     what: str
     status: str
     well: bool
-    lead: str
     facts: Mapping[str, str]
     sources: Mapping[str, str]
     sections: Sequence[PageSection] = field(default_factory=tuple)

@@ -4,17 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from datetime import datetime
-from itertools import takewhile
 from typing import Any
 
 from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.html_report.elements import PageNote, PagePicture, Part
-
-
-def opening(text: str) -> str:
-    """Initial comment of a scene without indented lines, which show commands."""
-    lines = takewhile(lambda line: line.startswith("#"), text.splitlines())
-    return " ".join(line[1:].strip() for line in lines if not line[1:].startswith("   ") and line[1:].strip())
 
 
 def origin(attrs: Mapping[str, Any]) -> dict[str, str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from wheelrail.scenes.html_report.elements import Page, PagePicture, PageSection, PageTable, number
 from wheelrail.scenes.html_report.extremes import vehicle_table, wheel_table
 from wheelrail.scenes.html_report.figures import picture
-from wheelrail.scenes.html_report.provenance import opening, origin, pictures, seconds
+from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
 from wheelrail.scenes.html_report.views import largest_force_view
 from wheelrail.scenes.plots.runs import PICTURES, t_gamma
 
@@ -64,7 +64,6 @@ def page_of_run(data: Dataset, file: Path, what: str, sources: dict[str, str], s
         what=what,
         status=f"{data.attrs['status']} at {reached:.1f} m",
         well=data.attrs["status"] == "completed",
-        lead=opening(text),
         facts={**origin(data.attrs), "computing time": seconds(float(data.attrs["seconds"])), "results": file.name},
         sources={"Scene": text, **sources},
         sections=sections,

@@ -52,7 +52,6 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
         what=f"Study of {data['status'].size} cases, {KINDS.get(str(data.attrs.get('scene_kind')), 'scenes')}",
         status=", ".join(f"{count} {status}" for status, count in counts.items()),
         well=not counts.keys() & {"failed", "not computed"},
-        lead="",
         facts={**origin(data.attrs), "computing time": f"{seconds(spent)}, sum over cases", "results": file.name},
         sources={
             "Study": _toml(_without_defaults(json.loads(data.attrs["study"]))),

@@ -14,7 +14,7 @@ from wheelrail.scenes.html_report.extremes import wheel_table
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import pictures
 from wheelrail.scenes.html_report.run_page import SIGNS, key_tables, page_of_run
-from wheelrail.scenes.plots.vehicle_runs import pictures_of
+from wheelrail.scenes.plots.vehicle_runs import CHORD, pictures_of
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -28,7 +28,7 @@ CAPTIONS = {
     "t_gamma": "T-gamma of every wheel: frictional energy per metre of track [N]",
     "wheelset_motion": "Lateral displacement and yaw of the wheelsets [mm, mrad]",
     "traction": "Over time: speed of vehicle and rims [m/s], longitudinal forces of the wheelsets [kN], torques [kN m]",
-    "body_motion": "Lateral displacement and yaw of the other bodies [mm, mrad]",
+    "body_motion": f"Lateral displacement and yaw of the other bodies [mm, mrad]; {CHORD}",
 }
 
 
@@ -71,9 +71,11 @@ def body_table(data: Dataset) -> PageTable:
     """Largest magnitudes of the coordinates of all bodies."""
     columns = {"x": 1e3, "y": 1e3, "z": 1e3, "roll": 1e3, "pitch": 1e3, "yaw": 1e3}
     head = ["body", *(f"{name} [{'mm' if name in 'xyz' else 'mrad'}]" for name in columns)]
-    cells = [_largest(data[f"body_{name}"], scale) for name, scale in columns.items()]
-    rows = [[str(name), *values] for name, *values in zip(data["body"].values, *cells, strict=True)]
-    caption = "Largest magnitudes of the coordinates, each body in the track frame at its own distance"
+    cells = {name: _largest(data[f"body_{name}"], scale) for name, scale in columns.items()}
+    rolls = np.isin(data["body"].values, data["wheelset"].values)
+    cells["pitch"] = ["–" if turns else text for turns, text in zip(rolls, cells["pitch"], strict=True)]
+    rows = [[str(name), *values] for name, *values in zip(data["body"].values, *cells.values(), strict=True)]
+    caption = f"Largest magnitudes of the coordinates, each body in the track frame at its own distance; {CHORD}"
     return PageTable(caption, head, rows, frozenset(range(1, len(head))))
 
 

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import DataArray, Dataset
 
+# A body on two bogies at a distance a lies inside the centre line of a curve by a^2 / 8R at its own centre.
+CHORD = "in curves y of a long body contains the rise of its chord"
 LARGEST_OFFSET, LONGEST_ARROW = 0.3, 1.0  # m in the plan view: displacement of a wheel, force
 
 
@@ -121,13 +123,16 @@ def track_shifting_forces(data: Dataset, figure: Figure | None = None) -> Figure
 
 def wheelset_motion(data: Dataset, figure: Figure | None = None) -> Figure:
     """Lateral displacement and yaw of all wheelsets."""
-    return _motion(data.sel(body=data["wheelset"].values), "wheelsets", figure)
+    return _motion(data.sel(body=data["wheelset"].values), "of the wheelsets", figure)
 
 
 def body_motion(data: Dataset, figure: Figure | None = None) -> Figure:
     """Lateral displacement and yaw of all other bodies."""
     bodies = [name for name in data["body"].values if name not in data["wheelset"].values]
-    return _motion(data.sel(body=bodies), "bodies above the wheelsets", figure)
+    figure = _motion(data.sel(body=bodies), "of the bodies above", figure)
+    if np.any(data["curvature"].values):
+        figure.axes[0].set_xlabel(CHORD, loc="left", color="0.45", fontsize=8)
+    return figure
 
 
 PICTURES: dict[str, Callable[..., Figure]] = {
@@ -179,10 +184,10 @@ def traction(data: Dataset, figure: Figure | None = None) -> Figure:
 def _motion(data: Dataset, title: str, figure: Figure | None) -> Figure:
     figure, (top, bottom) = along_track(data, 2, figure=figure)
     _lines(top, data, 1e3 * data["body_y"], "body")
-    top.set_title(f"Lateral displacement of the {title}")
+    top.set_title(f"Lateral displacement {title}, from the centre line")
     top.set_ylabel("y, positive to the left [mm]")
     _lines(bottom, data, 1e3 * data["body_yaw"], "body")
-    bottom.set_title(f"Yaw of the {title}")
+    bottom.set_title(f"Yaw {title}")
     bottom.set_ylabel("yaw, positive to the left [mrad]")
     return figure
 

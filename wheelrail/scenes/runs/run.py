@@ -97,6 +97,8 @@ def run_scene(
         console.print(
             f"{folder} contains an interrupted run; this run starts from the beginning, --resume continues it"
         )
+    elif not resume and (folder / RESULTS).exists():
+        report(f"{folder} contains the results of an earlier run, which this one overwrites")
     start = latest(checkpoint_file, checkpoint_file.report) if resume else None
     history = _simulated(scene, console, vehicle, checkpoint_file, start)
     if not len(history):

@@ -177,12 +177,18 @@ def bodies_table(at: Equilibrium) -> Table:
     """Table of the positions of all bodies."""
     from rich.table import Table
 
+    from wheelrail.vehicle.multibody.vehicle import COORDINATES
+
     table = Table(
         title="Positions from the nominal ones, each in the track frame at its own distance", title_justify="left"
     )
     for label in ("body", "x [mm]", "y [mm]", "z [mm]", "roll [mrad]", "pitch [mrad]", "yaw [mrad]"):
         table.add_column(label, justify="left" if label == "body" else "right")
     position, _, _ = at.dynamics.coordinates.split(at.state)
+    wheelsets = at.dynamics.vehicle.wheelsets
     for name, q in zip(at.dynamics.vehicle.names, position.tolist(), strict=True):
-        table.add_row(name, *(significant(1e3 * value, TABLE_DIGITS) for value in q))
+        texts = [significant(1e3 * value, TABLE_DIGITS) for value in q]
+        if name in wheelsets:  # they roll
+            texts[COORDINATES.index("pitch")] = "-"
+        table.add_row(name, *texts)
     return table

@@ -18,7 +18,7 @@ PLACE = Range(0.0, 5.0, "m")
 SERIES = Range(1e3, inf, "N/m, in series with the damper; inf is none")
 
 WAGON = {
-    "mass": Range(50.0, 1e6, "kg"),
+    "mass": Range(50.0, 1e6, "kg", "1 t is 1000", usual=(200.0, 2e5)),
     "roll_inertia": INERTIA,
     "pitch_inertia": INERTIA,
     "yaw_inertia": INERTIA,

@@ -9,6 +9,7 @@ from pydantic import PrivateAttr, ValidationInfo, field_validator, model_validat
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.laws import FrictionKey
+from wheelrail.scenes.schema.messages import nearest_name
 from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.support.text_file import present
 
@@ -57,7 +58,9 @@ class PairTable(SceneTable):
             return value
         file = Path(context.get("folder", "."), value)
         if not present(file):
-            raise q.reject(f"must be {' or '.join(names)}, or an existing file, relative to the scene's folder")
+            near = nearest_name(value, names)
+            hint = f"; did you mean {near}?" if near else ""
+            raise q.reject(f"must be {' or '.join(names)}, or an existing file, relative to the scene's folder{hint}")
         return str(file.absolute())
 
 

@@ -1,6 +1,7 @@
 """Quantities of a scene: strict numbers in SI units, each with its plausible range.
 
-A range detects wrong units and typing errors; it is no engineering limit.
+A range detects wrong units and typing errors; it is no engineering limit. What is allowed, but unusual, is listed in a
+warning.
 """
 
 from __future__ import annotations
@@ -22,7 +23,9 @@ def reject(message: str, key: str = "") -> PydanticCustomError:
 
 @dataclass(frozen=True)
 class Range:
-    """Numbers from low to high in a unit (ends excluded if open), with a hint at the common mistake."""
+    """Numbers from low to high in a unit (ends excluded if open), with a hint at the common mistake; usual: narrower
+    range, outside which a value is listed as unusual.
+    """
 
     low: float
     high: float
@@ -30,6 +33,7 @@ class Range:
     hint: str = ""
     open: bool = False
     whole: bool = False
+    usual: tuple[float, float] = (-inf, inf)
 
     def __str__(self) -> str:
         if self.low == 0.0 and self.high == inf:
@@ -40,6 +44,14 @@ class Range:
             text = f"from {self.low:g} to {self.high:g} {self.unit}"
         kind = "a whole number " if self.whole else "a number "
         return kind + text.rstrip() + (f" ({self.hint})" if self.hint else "")
+
+    def remark(self, value: float) -> str:
+        """Text about an unusual value; empty for a usual one."""
+        low, high = self.usual
+        if low <= value <= high:
+            return ""
+        text = f"at most {high:g}" if low == -inf else f"from {low:g} to {high:g}"
+        return f"unusual, mostly {text} {self.unit}".rstrip() + (f" ({self.hint})" if self.hint else "")
 
     def check(self, value: float) -> float:
         if self.low < value < self.high or (not self.open and value in (self.low, self.high)):
@@ -119,7 +131,7 @@ Finite = Annotated[float, Strict(), AllowInfNan(False)]
 Young = Annotated[Finite, Range(1e9, 1e13, "Pa", "steel is 2.1e11; not in GPa or MPa")]
 Poisson = Annotated[Finite, Range(-1.0, 0.5, open=True)]
 ShearYield = Annotated[Finite, Range(5e7, 2e9, "Pa", "rail steel is about 300e6")]
-Friction = Annotated[Finite, Range(0.0, 2.0, hint="0 skips the tangential problem")]
+Friction = Annotated[Finite, Range(0.0, 2.0, hint="0 skips the tangential problem", usual=(-inf, 0.8))]
 SurfaceSize = Annotated[Finite, Range(5e-5, 1e-2, "m", "half a millimetre is 0.5e-3")]
 BlockWidth = Annotated[Finite, Range(1e-3, 1e2, "m", "about 40 semi-axes of the patch")]
 Growth = Annotated[Finite, Range(0.02, 2.0, hint="0.2 is fine, 1 is coarse")]
@@ -129,17 +141,19 @@ Regularisation = Annotated[Finite, OrExact(1e-9, 1e-2, hint="a creepage")]
 Share = Annotated[Finite, Range(0.0, 1.0)]
 FallingRate = Annotated[Finite, Range(0.0, 100.0, "s/m", "per slip velocity, some tenths for dry rails")]
 Shift = Annotated[Finite, Range(-1e-3, 1e-3, "m", "2 µm is 2e-6")]
-Creepage = Annotated[Finite, Range(-1.0, 1.0, hint="slip velocity over rolling speed")]
+Creepage = Annotated[Finite, Range(-1.0, 1.0, hint="slip velocity over rolling speed", usual=(-0.1, 0.1))]
 Spin = Annotated[Finite, Range(-1e3, 1e3, "rad/m")]
 Load = Annotated[Finite, Range(1e-3, 1e8, "N")]
-WheelLoad = Annotated[Finite, Range(1e3, 1e6, "N", "57 kN is 57e3")]
-AxleLoad = Annotated[Finite, Range(2e3, 2e6, "N", "114 kN is 114e3")]
+WheelLoad = Annotated[Finite, Range(1e3, 1e6, "N", "57 kN is 57e3", usual=(20e3, 300e3))]
+AxleLoad = Annotated[Finite, Range(2e3, 2e6, "N", "114 kN is 114e3", usual=(40e3, 600e3))]
 Approach = Annotated[Finite, Range(1e-10, 5e-3, "m", "25 µm is 25e-6")]
-Speed = Annotated[Finite, Range(1e-3, 200.0, "m/s", "162 km/h is 45 m/s")]
+Speed = Annotated[Finite, Range(1e-3, 200.0, "m/s", "162 km/h is 45 m/s", usual=(-inf, 100.0))]
 KickVelocity = Annotated[Finite, Range(-5.0, 5.0, "m/s", "to the left")]
-RunSpeed = Annotated[Finite, Range(0.1, 200.0, "m/s", "162 km/h is 45 m/s")]
+RunSpeed = Annotated[Finite, Range(0.1, 200.0, "m/s", "162 km/h is 45 m/s", usual=(-inf, 100.0))]
 Radius = Annotated[float, Strict(), AllowInfNan(True), Principal(-inf, inf)]
-WheelRadius = Annotated[Finite, Range(0.1, 1.0, "m", "a wheel diameter of 920 mm is a radius of 0.46")]
+WheelRadius = Annotated[
+    Finite, Range(0.1, 1.0, "m", "a wheel diameter of 920 mm is a radius of 0.46", usual=(0.15, 0.7))
+]
 Offset = Annotated[Finite, Range(-0.1, 0.1, "m", "2 mm is 0.002")]
 Diameter = Annotated[Finite, Range(0.02, 0.5, "m", "160 mm is 0.160")]
 Bore = Annotated[Finite, Range(0.0, 0.3, "m", "of a hollow axle: 30 mm is 0.030; 0 is solid")]

@@ -20,7 +20,7 @@ from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.laws import FrictionKey, FrictionTable, NormalTable
 from wheelrail.scenes.schema.loads import BodyForceTable, TorqueTable
-from wheelrail.scenes.schema.messages import validation_error
+from wheelrail.scenes.schema.messages import validation_error, warn_of_unusual
 from wheelrail.scenes.schema.profiles import SIDES, ProfilesTable, Side, SideTable
 from wheelrail.scenes.schema.tables import (
     AxleTable,
@@ -439,9 +439,16 @@ def load_scene(path: str | Path) -> Scene:
     Parameters:
         path: scene file.
 
-    Raises SceneError naming file, key, value and what is allowed.
+    Warns of unusual values. Raises SceneError naming file, key, value and what is allowed.
     """
-    return parse_scene(read_text(Path(path)), path)
+    return warned(parse_scene(read_text(Path(path)), path), path)
+
+
+def warned(scene: Scene, path: str | Path, unnamed: Container[str] = ()) -> Scene:
+    """The scene, after warnings of its unusual values; parameters as for `checked`."""
+    other_wagon = isinstance(scene, RunScene) and scene.vehicle.changed
+    warn_of_unusual(scene, path, unnamed, scene.vehicle.on(None) if other_wagon else None)  # type: ignore[union-attr]
+    return scene
 
 
 def parse_scene(text: str, path: str | Path = "scene") -> Scene:

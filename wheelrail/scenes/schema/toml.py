@@ -15,6 +15,7 @@ from wheelrail.support.text_file import read_text as text_of
 MOST = 1.0  # MB
 DEEPEST = 32  # tables and arrays inside each other
 LONGEST_INTEGER = 10_000  # bits; Python refuses to print more than 4300 digits
+COMMA = re.compile(r"[^#\"'\[]*=[ \t]*([+-]?\d+,\d+(?:[eE][+-]?\d+)?)[ \t]*(?:#.*)?$", re.ASCII)  # a decimal comma
 WORD = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
 DOTTED = re.compile(rf"(?<![\w-]){WORD}(?:[ \t]*+\.[ \t]*+{WORD}){{{DEEPEST},}}", re.ASCII)
 
@@ -39,7 +40,7 @@ def parse(text: str, path: str | Path) -> dict[str, Any]:
     try:
         data = tomllib.loads(text)
     except ValueError as error:  # of TOML syntax, or of a number with thousands of digits
-        raise SceneError(f"{path}: not valid TOML: {error}") from None
+        raise SceneError(_decimal_comma(text, path) or f"{path}: not valid TOML: {error}") from None
     except RecursionError:
         raise SceneError(f"{path}: not valid TOML: brackets nested hundreds of levels deep") from None
     for name, value, depth in _entries(data):
@@ -48,6 +49,14 @@ def parse(text: str, path: str | Path) -> dict[str, Any]:
         if isinstance(value, int) and value.bit_length() > LONGEST_INTEGER:
             raise SceneError(f"{path}: {name}: a whole number of {value.bit_length()} bits: allowed: at most 64")
     return data
+
+
+def _decimal_comma(text: str, path: str | Path) -> str:
+    """Message about the first number with a decimal comma; empty without one."""
+    for number, line in enumerate(text.splitlines(), start=1):
+        if comma := COMMA.match(line):
+            return f"{path}, line {number}: {comma[1]}: must have a decimal point: {comma[1].replace(',', '.')}"
+    return ""
 
 
 def _entries(data: dict[str, Any]) -> Iterator[tuple[str, Any, int]]:
