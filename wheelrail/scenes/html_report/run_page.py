@@ -35,7 +35,7 @@ def run_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
 
     Parameters:
         data: Dataset of the run.
-        file: results; paths in the scene are relative to its folder.
+        file: results.
         view: whether to include an interactive 3D view.
     """
     sections = [

@@ -30,7 +30,7 @@ def largest_force_view(data: Dataset, file: Path, name: str = "") -> PageView | 
 
     Parameters:
         data: Dataset of the run.
-        file: results; paths in the scene are relative to its folder.
+        file: results, for errors; of an earlier version, paths in the scene are relative to its folder.
         name: of the run, for the caption.
     """
     from wheelrail.scenes.views.view import bodies_of_run
@@ -67,15 +67,14 @@ def case(data: Dataset, file: Path) -> PageView | PageNote:
 
 def _run(data: Dataset, file: Path) -> PageView:
     from wheelrail.scenes.datasets.netcdf import read
-    from wheelrail.scenes.schema.scene import RunScene
-    from wheelrail.scenes.views.view import bodies_of_scene
+    from wheelrail.scenes.views.view import bodies_of_run
 
     if "kept_run" not in data.attrs:
         raise SceneError("the study contains no data of single runs; use wheelrail report with a single run")
     chosen = _cases(data)[tuple(map(int, np.atleast_1d(data.attrs["kept_case"])))]
-    assert isinstance(chosen.scene, RunScene)
-    run = read(file.parent / str(data.attrs["kept_run"]))
-    return _sample_view(run, bodies_of_scene(chosen.scene), f"run with the largest peak pressure, {chosen}")
+    kept = file.parent / str(data.attrs["kept_run"])
+    run = read(kept)
+    return _sample_view(run, bodies_of_run(run, kept), f"run with the largest peak pressure, {chosen}")
 
 
 def _contact(data: Dataset) -> PageView:
@@ -104,6 +103,7 @@ def _contact(data: Dataset) -> PageView:
 
 def _cases(data: Dataset) -> dict[tuple[int, ...], StudyCase]:
     """Cases of the study by index."""
+    from wheelrail.scenes.datasets.input_files import unpacked
     from wheelrail.scenes.studies.plan import plan
     from wheelrail.scenes.studies.schema import check_study
 
@@ -111,8 +111,9 @@ def _cases(data: Dataset) -> dict[tuple[int, ...], StudyCase]:
     tables = {key: value for key, value in study.items() if value is not None and key not in ("set", "without")}
     path = Path(
         study["scene"] if isinstance(study["scene"], str) else "study"
-    )  # paths in the scene are relative to its folder
-    planned = plan(check_study({**tables, "scene": json.loads(data.attrs["scene"])}, path), path)
+    )  # paths in the scenes of earlier versions are relative to its folder
+    written = unpacked({**tables, "scene": json.loads(data.attrs["scene"])}, data.attrs, path)
+    planned = plan(check_study(written, path), path)
     return {case.index: case for case in planned.cases}
 
 

@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import run_contact
+from wheelrail.scenes.datasets.input_files import FILES, packed
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
+from wheelrail.scenes.schema.toml import parse
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
@@ -190,7 +192,7 @@ def write_results(history: History, text: str, folder: Path, scene: RunScene, ve
 
 
 def run_dataset(history: History, text: str, scene: RunScene, file: Path | None = None) -> Dataset:
-    """Dataset of a run with wear; of the plane wagon with the energy balance.
+    """Dataset of a run with wear, and the files of its scene; of the plane wagon with the energy balance.
 
     Parameters:
         history: of the run.
@@ -203,7 +205,11 @@ def run_dataset(history: History, text: str, scene: RunScene, file: Path | None 
     from wheelrail.scenes.runs.resume import inputs
     from wheelrail.scenes.runs.vehicle_run import vehicle_run_dataset
 
-    facts = {"inputs": json.dumps(inputs(scene, file)), "sampling": _sampling(scene.output.interval)}
+    facts = {
+        "inputs": json.dumps(inputs(scene, file)),
+        FILES: packed([(parse(text, "scene"), scene.model_dump())]),
+        "sampling": _sampling(scene.output.interval),
+    }
     if file is not None:
         return vehicle_run_dataset(history, text, scene, file).assign_attrs(facts)
     data = dataset(history, scene=text)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wheelrail.scenes.datasets.input_files import FILES, packed
 from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.studies.plan import Plan, numbers, shown
 from wheelrail.scenes.studies.quantities import MEANINGS
@@ -140,6 +141,7 @@ def _attributes(plan: Plan) -> dict[str, Any]:
         "scene_kind": plan.kind,
         "study": json.dumps(study.model_dump(), default=list),
         "scene": json.dumps(plan.scene, default=list),
+        FILES: packed((case.table, case.scene.model_dump()) for case in plan.cases),
         "versions": ", ".join(f"{name} {number}" for name, number in computer().items()),
         "commit": commit(),
         "machine": machine(),

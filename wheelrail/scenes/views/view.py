@@ -11,11 +11,13 @@ from wheelrail.scenes.builders.loaded_bodies import loaded_bodies
 from wheelrail.scenes.builders.vehicle_file import parse_vehicle
 from wheelrail.scenes.builders.wheelset import inclined_profiles, mounted
 from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
+from wheelrail.scenes.datasets.input_files import unpacked
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import Side
-from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, parse_scene
+from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, checked
+from wheelrail.scenes.schema.toml import parse
 from wheelrail.scenes.views.plotter import pyvista
 
 if TYPE_CHECKING:
@@ -202,7 +204,7 @@ def animate_data(
 
     Parameters:
         data: its Dataset.
-        file: results; paths in the scene are relative to its folder.
+        file: results, for errors; of an earlier version, paths in the scene are relative to its folder.
         out: .mp4 or .gif.
         scale: displacement magnification factor; None: 20 for the wheelset of the plane wagon, 10 for a vehicle.
         progress, options: as for `wheelrail.scenes.views.animation.animate_run`.
@@ -242,7 +244,7 @@ def bodies_of_run(data: Dataset, file: Path) -> RunBodies:
 
     Parameters:
         data: Dataset of the run.
-        file: results; paths in the scene are relative to its folder.
+        file: results, for errors; of an earlier version, paths in the scene are relative to its folder.
 
     Raises SceneError if files of the scene are missing.
     """
@@ -250,8 +252,8 @@ def bodies_of_run(data: Dataset, file: Path) -> RunBodies:
 
 
 def scene_of_run(data: Dataset, file: Path) -> RunScene:
-    """Scene of a run; parameters and errors as for `bodies_of_run`."""
-    scene = parse_scene(data.attrs["scene"], file)
+    """Scene of a run with the files stored in its results; parameters and errors as for `bodies_of_run`."""
+    scene = checked(unpacked(parse(data.attrs["scene"], file), data.attrs, file), file)
     if not isinstance(scene, RunScene):
         raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
     return scene
