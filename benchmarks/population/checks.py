@@ -21,6 +21,7 @@ TENSION = 1e-6  # of the peak pressure
 BOUND = 1e-2  # of mu times the peak: cells of strips hold means of a bound that varies
 FRICTION = 1e-4  # of mu times the normal force, whose axes are those of the undeformed wheel
 GEOMETRY = 0.03  # of the approach, along the normal there and to the closest point here
+SHARPEST = 10e-3  # m, radius of the sharpest gauge corner
 E, NU = 2.1e11, 0.3
 
 
@@ -29,7 +30,8 @@ def broken(situation: Situation, side: Side, result: SideResult) -> list[str]:
     section = section_of(situation, side, result)
     if result.status == "separated":
         deepest, at = float(section.depth.max()), _where(section, section.depth)
-        return [f"separated with an overlap of {1e6 * deepest:.1f} um{at}"] if deepest > TOUCH else []
+        resolved = deepest > TOUCH + between(situation)
+        return [f"separated with an overlap of {1e6 * deepest:.1f} um{at}"] if resolved else []
     return [*_finite(result)] or [
         *_forces(situation, side, result),
         *_laws(situation, side, result),
@@ -41,6 +43,12 @@ def broken(situation: Situation, side: Side, result: SideResult) -> list[str]:
 def flexible(situation: Situation) -> bool:
     """Whether wheels and rails move on the axle and the pads."""
     return bool({"axle", "pads"} & situation.wheelset.keys())
+
+
+def between(situation: Situation) -> float:
+    """Overlap m that lies unseen between the points of a grid, on the sharpest corner of a rail; 0 on a lattice."""
+    own = situation.wheelset
+    return float(own["surface_size"] ** 2 / (8.0 * SHARPEST)) if "surface_size" in own else 0.0
 
 
 def section_of(situation: Situation, side: Side, result: SideResult) -> Section:
@@ -133,7 +141,7 @@ def _overlap(situation: Situation, section: Section, result: SideResult) -> Iter
         inside |= (y >= low - margin) & (y <= high + margin)
     deepest = float(depth.max())
     within = float(depth[inside].max(initial=-np.inf))
-    allowed = TOUCH + GEOMETRY * abs(result.approach)
+    allowed = TOUCH + GEOMETRY * abs(result.approach) + between(situation)
     if abs(deepest - result.approach) > allowed:
         at = _where(section, depth)
         yield f"approach {1e6 * result.approach:.2f} um where the overlap is {1e6 * deepest:.2f} um{at}"
@@ -141,7 +149,7 @@ def _overlap(situation: Situation, section: Section, result: SideResult) -> Iter
     if not outside.any():
         return
     excess = depth[outside] - lowering(section.place[outside], result)
-    margin = TOUCH + 0.1 * max(within, 0.0)
+    margin = TOUCH + 0.1 * max(within, 0.0) + between(situation)
     if (
         flexible(situation)
         or situation.wheelset.get("bodies") in ("waveguide", "solid")
