@@ -120,7 +120,9 @@ def main() -> None:
         "--only", type=int, nargs="+", default=[], metavar="SEED", help="these situations, with details"
     )
     parser.add_argument("--measured", type=Path, metavar="FOLDER", help="of measured profiles (.whl, .prw, .ban, ...)")
-    parser.add_argument("--limit", type=float, default=120.0, metavar="S", help="time limit of a situation, s (120)")
+    parser.add_argument(
+        "--limit", type=float, default=120.0, metavar="S", help="processor time of a situation, s (120)"
+    )
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} situations, half-spaces and standard contact")
     parser.add_argument("--failures", type=Path, default=Path("population_failures.txt"), metavar="FILE")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all verdicts to a file")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -16,6 +17,8 @@ from benchmarks.population.judge import Verdict, judged, model_of
 
 TURN = 100  # situations of one process, whose caches grow
 SLOWER = 3.0  # times the limit, of bodies whose compliance is computed
+BUSY = 10.0  # times the limit, in which a process that shares its processor has spent it
+TICKS = os.sysconf("SC_CLK_TCK")  # 1/s
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,7 @@ class Plan:
 
     Parameters:
         processes: their number.
-        limit: s of one situation.
+        limit: s of processor time of one situation.
         measured: files of measured profiles.
         quick: cheap models only.
     """
@@ -44,13 +47,26 @@ class _Worker:
         self.process: SpawnProcess = context.Process(target=_serve, args=(other, plan), daemon=True)
         self.process.start()
         other.close()
-        self.plan, self.seed, self.deadline, self.done = plan, -1, 0.0, 0
+        self.plan, self.seed, self.done = plan, -1, 0
+        self.limit, self.deadline, self.spent = plan.limit, 0.0, 0.0
 
     def give(self, seed: int) -> None:
         bodies = situation(seed, self.plan.measured, self.plan.quick).wheelset.get("bodies", "half-space")
-        limit = self.plan.limit * (1.0 if bodies == "half-space" else SLOWER)
-        self.seed, self.deadline = seed, monotonic() + limit
+        self.limit = self.plan.limit * (1.0 if bodies == "half-space" else SLOWER)
+        self.seed, self.deadline, self.spent = seed, monotonic() + BUSY * self.limit, self.processor_time()
         self.pipe.send(seed)
+
+    @property
+    def late(self) -> bool:
+        return monotonic() > self.deadline or self.processor_time() - self.spent > self.limit
+
+    def processor_time(self) -> float:
+        """Seconds that the process has worked; 0 where the system does not tell."""
+        try:
+            fields = Path(f"/proc/{self.process.pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+        except OSError:
+            return 0.0
+        return (int(fields[11]) + int(fields[12])) / TICKS
 
     def lost(self, reason: str) -> Verdict:
         """Verdict on the situation of a process that is ended."""
@@ -108,8 +124,8 @@ def verdicts(seeds: Sequence[int], plan: Plan) -> Iterator[Verdict]:
                         yield verdict
                         continue
                     worker.end()
-            elif monotonic() > worker.deadline:
-                verdict = worker.lost(f"no result in {worker.plan.limit:g} s")
+            elif worker.late:
+                verdict = worker.lost(f"no result in {worker.limit:g} s")
             else:
                 continue
             workers.remove(worker)
