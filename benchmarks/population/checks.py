@@ -21,6 +21,7 @@ TENSION = 1e-6  # of the peak pressure
 BOUND = 1e-2  # of mu times the peak: cells of strips hold means of a bound that varies
 FRICTION = 1e-4  # of mu times the normal force, whose axes are those of the undeformed wheel
 GEOMETRY = 0.03  # of the approach, along the normal there and to the closest point here
+ROUGH, FEW = 0.1, 8  # of the approach, on fewer strips than that: it is that of the deepest strip's middle
 SHARPEST = 10e-3  # m, radius of the sharpest gauge corner
 E, NU = 2.1e11, 0.3
 
@@ -141,7 +142,8 @@ def _overlap(situation: Situation, section: Section, result: SideResult) -> Iter
         inside |= (y >= low - margin) & (y <= high + margin)
     deepest = float(depth.max())
     within = float(depth[inside].max(initial=-np.inf))
-    allowed = TOUCH + GEOMETRY * abs(result.approach) + between(situation)
+    few = situation.wheelset.get("strips", FEW) < FEW
+    allowed = TOUCH + (ROUGH if few else GEOMETRY) * abs(result.approach) + between(situation)
     if abs(deepest - result.approach) > allowed:
         at = _where(section, depth)
         yield f"approach {1e6 * result.approach:.2f} um where the overlap is {1e6 * deepest:.2f} um{at}"

@@ -32,6 +32,7 @@ STEP = {"y": 3e-5, "z": 1e-5}  # m, to the start of the warm solve
 # penetration, 5 to 8 % larger on ellipses and more where patches are not; its tangential force is within a third of
 # mu N of the complete theory at every creepage.
 BAND_APPROACH, BAND_FORCE = 0.5, 0.4
+NO_RIM = re.compile(r"^wheel disc_\w+ is \S+ m wide, the rim \S+ m$")
 REFUSED = re.compile(r"(wheel_load|axle_load) = \S+: must be a number from (\S+) to (\S+)")
 
 
@@ -126,6 +127,8 @@ def of_exception(situation: Situation, error: Exception) -> tuple[Kind, str]:
         low, high = float(refused[2]), float(refused[3])
         if not low <= situation.solve[refused[1]] <= high:
             return "explained failure", f"refused: {refused[1]} out of range"
+    if NO_RIM.search(str(error)):
+        return "explained failure", "refused: a disc is no wheel whose rim, web and hub are elastic"
     clear = isinstance(error, SceneError | ValueError) and "\n" not in str(error)
     return ("unexplained failure" if clear else "wrong"), text
 
