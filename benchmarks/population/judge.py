@@ -127,7 +127,8 @@ def of_exception(situation: Situation, error: Exception) -> tuple[Kind, str]:
         low, high = float(refused[2]), float(refused[3])
         if not low <= situation.solve[refused[1]] <= high:
             return "explained failure", f"refused: {refused[1]} out of range"
-    if NO_RIM.search(str(error)):
+    meshed = "axle" in situation.wheelset or situation.wheelset.get("bodies") in ("waveguide", "solid")
+    if meshed and NO_RIM.search(str(error)):
         return "explained failure", "refused: a disc is no wheel whose rim, web and hub are elastic"
     clear = isinstance(error, SceneError | ValueError) and "\n" not in str(error)
     return ("unexplained failure" if clear else "wrong"), text
