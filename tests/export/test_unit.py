@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -16,6 +17,7 @@ from typer.testing import CliRunner
 import wheelrail as wr
 from wheelrail.api.elements.variables import INPUTS, OUTPUTS
 from wheelrail.cli.main import app
+from wheelrail.export.host import loaded_inputs
 
 pytest.importorskip("cffi")
 if shutil.which("cc") is None:
@@ -116,9 +118,41 @@ def test_fmpy_validates_and_drives_the_unit(fmi: str, scene: Path, request: pyte
     starts = {variable.name: float(variable.start) for variable in description.modelVariables if variable.start}
     assert starts["speed"] == 45.0
     assert starts["right_friction"] == 0.3
+    loaded = fmpy.simulate_fmu(str(unit), stop_time=1e-3, step_size=1e-3, output=["left_Fz", "right_Fz"])
+    assert [loaded[side][0] for side in ("left_Fz", "right_Fz")] == pytest.approx([57e3, 57e3], rel=1e-4)
     described = [variable.name for variable in description.modelVariables if variable.name != "time"]
     assert described[: len(INPUTS)] == [variable.name for variable in INPUTS]
     assert description.fmiVersion == fmi
+
+
+def test_the_example_with_fmpy(unit: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the how-to page, as it stands."""
+    pytest.importorskip("fmpy")
+    page = (HERE.parents[1] / "docs/how-to/export.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```python\n([^`]*simulate_fmu.*?)^```", page, flags=re.MULTILINE | re.DOTALL)
+    assert len([line for line in example.splitlines() if line and "import" not in line]) <= 6
+    monkeypatch.chdir(unit.parent)
+    shutil.copy(unit, "contact.fmu")
+    names: dict[str, Any] = {}
+    exec(compile(example, "export.md", "exec"), names)
+    force = names["run"]["left_Fz"]
+    assert force[0] == pytest.approx(57e3, rel=1e-4)
+    assert force[-1] > 1.15 * force[0]  # Hertz: by 3/2 of the approach, 20 of some 150 um
+
+
+@pytest.mark.parametrize(("load", "total"), [("axle_load = 120e3", 120e3), ("wheel_load = 57e3", 114e3)])
+def test_start_values_carry_the_load(load: str, total: float, tmp_path: Path) -> None:
+    """On an element of its own; with a load of each wheel both carry it, off the middle of the track."""
+    text = (SCENES / "wheelset.toml").read_text(encoding="utf-8").replace("wheel_load = 57e3", load)
+    (tmp_path / "scene.toml").write_text('bodies = "half-space"\nstrips = 8\ncells = 8\n' + text)
+    wheelset = wr.load(tmp_path / "scene.toml")
+    assert isinstance(wheelset, wr.Wheelset)
+    inputs, outputs = loaded_inputs(wheelset), np.zeros(len(OUTPUTS))
+    assert wheelset.element().solve_array(inputs, outputs) == "converged"
+    assert outputs[2] + outputs[8] == pytest.approx(total, rel=1e-4)
+    if load.startswith("wheel"):
+        assert outputs[2] == pytest.approx(57e3, rel=1e-4)
+    assert inputs[0] == -0.002
 
 
 def test_units_of_fmi_3_live_side_by_side(unit3: Path, scene: Path, tmp_path: Path) -> None:

@@ -127,10 +127,12 @@ def test_results_have_wheelsets(whole: Path) -> None:
 
 
 def test_report(whole: Path, tmp_path: Path) -> None:
-    page = write_report(whole, tmp_path / "report.html").read_text(encoding="utf-8")
+    page = write_report(whole, tmp_path / "report.html", view=False).read_text(encoding="utf-8")
+    assert "Running safety and track loading after EN 14363" in page
+    assert "Y/Q, 2 m mean, left" in page
     for text in ("wheelset_4", "Plan view of the wheelsets", "unloading of a wheel", "Manchester benchmark vehicle 1"):
         assert text in page
-    assert page.count("data:image/") == 8
+    assert page.count("data:image/") == 9
     table = body_table(results(whole))
     assert {row[0]: row[table.head.index("pitch [mrad]")] for row in table.rows if row[0].startswith("wheelset")} == {
         f"wheelset_{i}": "–"

@@ -22,8 +22,10 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.stress.fields import BodyFields
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.scenes.builders.vehicle_file import load_vehicle
+from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.contacts.side_solution import SideSolution
+from wheelrail.scenes.html_report.elements import PageNote, PageView
+from wheelrail.scenes.html_report.views import vehicle_view
 from wheelrail.scenes.views.animation import Animation, RunBodies, animate_run, magnified, write_frames
 from wheelrail.scenes.views.body_meshes import (
     DISPLACEMENT,
@@ -310,6 +312,25 @@ def test_animation_of_a_vehicle(tmp_path: Path) -> None:
     file = tmp_path / "vehicle.gif"
     write_frames(animation, file, [0.0, 1.0], 5.0, None)
     assert file.stat().st_size > 10_000
+
+
+def test_view_of_a_vehicle_in_a_report() -> None:
+    """At its largest guiding forces; without the files of the scene the reason takes its place."""
+    vehicle = load_vehicle()
+    data = vehicle_data(vehicle)
+    force = np.zeros((2, 4, 2))
+    force[1] = 20e3
+    scene = (MANCHESTER.parent / "vehicle.toml").read_text()
+    data["guiding_force"] = (("time", "wheelset", "side"), force)
+    data = data.assign_attrs(scene=scene, vehicle=MANCHESTER.read_text())
+    shown = vehicle_view(data, Path("run.nc"))
+    assert isinstance(shown, PageView)
+    assert "Largest guiding forces, at 20.0 m" in shown.caption
+    assert shown.still.startswith("data:image/png;base64,")
+    assert "</html>" in shown.page
+    missing = vehicle_view(data.assign_attrs(scene=scene.replace('"S1002"', '"worn.prw"')), Path("run.nc"))
+    assert isinstance(missing, PageNote)
+    assert missing.text.startswith("No 3D view: ")
 
 
 def test_undeflected_bodies_lie_on_those_below_them_in_a_curve() -> None:

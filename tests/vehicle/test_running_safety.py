@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
+from wheelrail.scenes.html_report.elements import PageTable
+from wheelrail.scenes.runs.safety_table import safety_table
 from wheelrail.vehicle.evaluation.running_safety import (
     INTERVAL,
     instability,
@@ -42,23 +46,48 @@ def test_a_steady_run_has_its_own_forces_and_the_limits_of_its_load() -> None:
     guiding = np.tile([5e3, 20e3], (50, 1))
     load = np.tile([50e3, 70e3], (50, 1))
     safety = wheelset_safety(time, 30.0 * time, guiding, load, 60e3)
-    assert safety.track_shifting == pytest.approx(15e3)
-    assert safety.quotient == pytest.approx((0.1, 2 / 7))
-    assert safety.load == pytest.approx((50e3, 70e3))
-    assert safety.track_shifting_limit == pytest.approx(50e3)  # 10 kN and a third of 120 kN
-    assert safety.load_limit == pytest.approx(150e3)
-    assert safety.instability == pytest.approx(0.0, abs=1.0)
-    assert wheelset_safety(time, 30.0 * time, guiding, load, 60e3, 0.85).track_shifting_limit == pytest.approx(42.5e3)
+    assert safety.track_shifting.value == pytest.approx(15e3)
+    assert [one.value for one in safety.quotient] == pytest.approx([0.1, 2 / 7])
+    assert [one.value for one in safety.load] == pytest.approx([50e3, 70e3])
+    assert safety.track_shifting.limit == pytest.approx(50e3)  # 10 kN and a third of 120 kN
+    assert safety.load[0].limit == pytest.approx(150e3)
+    assert safety.instability.value == pytest.approx(0.0, abs=1.0)
+    freight = wheelset_safety(time, 30.0 * time, guiding, load, 60e3, 0.85)
+    assert freight.track_shifting.limit == pytest.approx(42.5e3)
     mirrored = wheelset_safety(time, 30.0 * time, guiding[:, ::-1], load[:, ::-1], 60e3)
-    assert mirrored.track_shifting == pytest.approx(-15e3)
+    assert mirrored.track_shifting.value == pytest.approx(-15e3)
+
+
+def test_limits_are_exceeded_at_their_places() -> None:
+    """A push of 60 kN on the left wheel, with twice the load on the right one, from 80 to 90 m of 300 m."""
+    time = np.linspace(0.0, 10.0, 3001)
+    there = (30.0 * time >= 80.0) & (30.0 * time <= 90.0)
+    guiding = np.stack([np.where(there, 60e3, 1e3), np.full(3001, 2e3)], axis=1)
+    load = np.stack([np.full(3001, 60e3), np.where(there, 160e3, 60e3)], axis=1)
+    safety = wheelset_safety(time, 30.0 * time, guiding, load, 60e3)
+    assert safety.track_shifting.value == pytest.approx(-58e3, rel=0.05)
+    for one in (safety.track_shifting, safety.quotient[0], safety.load[1]):
+        assert one.passed is False
+        assert 80.0 < one.place < 92.0  # the filter lags by a third of a metre
+    assert safety.quotient[1].passed is safety.load[0].passed is True
+    short = wheelset_safety(time[:600], 30.0 * time[:600], guiding[:600], load[:600], 60e3)
+    assert short.instability.passed is None
+    rows = {str(row[0]): row for row in PageTable.of_rich(safety_table({"front": safety, "rear": short})).rows}
+    assert rows["Y/Q, 2 m mean, left"][-2:] == ("0.8", "FAIL")
+    assert rows["Y/Q, 2 m mean, right"][-1] == "pass"
+    assert rows["Q, right (kN)"][-2:] == ("150", "FAIL")
+    assert rows["rms of the sum of Y over 100 m (kN)"][2] == "-"
+    assert re.fullmatch(r"1\.0\d\d at 8\d", rows["Y/Q, 2 m mean, left"][1])
 
 
 def test_instability_is_the_rms_about_the_main_frequency() -> None:
     """Hunting of 8 kN at 6 Hz; noise at 15 Hz and a steady force do not count."""
     time = INTERVAL * np.arange(4000)
     force = 3e3 + 8e3 * np.sin(2 * np.pi * 6.0 * time) + 5e3 * np.sin(2 * np.pi * 15.0 * time)
-    assert instability(50.0 * time, force) == pytest.approx(8e3 / np.sqrt(2.0), rel=0.01)
-    assert np.isnan(instability(10.0 * time, force))
+    value, place = instability(50.0 * time, force)
+    assert value == pytest.approx(8e3 / np.sqrt(2.0), rel=0.01)
+    assert 50.0 <= place <= 350.0
+    assert np.isnan(instability(10.0 * time, force)).all()
 
 
 def test_largest_wheel_loads() -> None:

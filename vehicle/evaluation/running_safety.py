@@ -1,8 +1,8 @@
 """Running safety and track loading of a run after EN 14363: filters, sliding means, percentiles, limits.
 
 The text of the standard was not available. The sliding mean over 2 m with the percentiles 0.15 and 99.85 %, the limit
-of the sum of Y and that of Y/Q stand in two public texts (GENSYS, railwaynews.net), the filter of 20 Hz in one; the
-order of the filter and the limits of Q and of instability are from memory.
+of the sum of Y and that of Y/Q stand in two public texts (GENSYS, railwaynews.net), the filter of 20 Hz and the band of
+2 Hz in one; the order of the filter and the limits of Q and of instability are from memory, those of UIC 518.
 """
 
 from __future__ import annotations
@@ -22,30 +22,43 @@ INSTABILITY_WINDOW, INSTABILITY_STEP, HALF_BAND = 100.0, 10.0, 2.0  # m, m, Hz
 
 
 @dataclass(frozen=True)
+class Assessed:
+    """An assessed quantity.
+
+    Parameters:
+        value: NaN where the section is too short for it.
+        place: m along the track, of the largest value; of a mean the middle of its window.
+        limit: of the magnitude.
+    """
+
+    value: float
+    place: float
+    limit: float
+
+    @property
+    def passed(self) -> bool | None:
+        """Whether the limit is kept; None without a value."""
+        return abs(self.value) <= self.limit if np.isfinite(self.value) else None
+
+
+@dataclass(frozen=True)
 class WheelsetSafety:
     """Assessed quantities of a wheelset over a section of track.
 
     Parameters:
-        track_shifting: N, sum of Y: the percentile of its 2 m mean that is largest in magnitude.
-        track_shifting_limit: N, alpha (10 kN + P0 / 3) with the static axle load P0.
-        quotient: Y/Q of the left and right wheel, 99.85th percentiles of the 2 m means.
-        load: N, Q of the left and right wheel, 99.85th percentiles.
-        load_limit: N, the smaller of 90 kN + Q0 and 200 kN down to 160 kN by speed.
-        instability: N, largest rms of the sum of Y over 100 m within 2 Hz of its main frequency; NaN for a section
-            that is shorter.
+        track_shifting: N, sum of Y: the percentile of its 2 m mean that is largest in magnitude; at most
+            alpha (10 kN + P0 / 3) with the static axle load P0.
+        quotient: Y/Q of the left and right wheel, 99.85th percentiles of the 2 m means; at most 0.8.
+        load: N, Q of the left and right wheel, 99.85th percentiles; at most the smaller of 90 kN + Q0 and 200 kN down
+            to 160 kN by speed.
+        instability: N, largest rms of the sum of Y over 100 m within 2 Hz of its main frequency; at most half the limit
+            of the sum of Y; NaN for a section that is shorter.
     """
 
-    track_shifting: float
-    track_shifting_limit: float
-    quotient: tuple[float, float]
-    load: tuple[float, float]
-    load_limit: float
-    instability: float
-
-    @property
-    def instability_limit(self) -> float:
-        """Half the limit of the sum of Y, N."""
-        return 0.5 * self.track_shifting_limit
+    track_shifting: Assessed
+    quotient: tuple[Assessed, Assessed]
+    load: tuple[Assessed, Assessed]
+    instability: Assessed
 
 
 def wheelset_safety(
@@ -68,19 +81,32 @@ def wheelset_safety(
         np.stack([low_pass(np.interp(samples, time, column)) for column in wheels.T], 1) for wheels in (guiding, load)
     )
     places, shifting = np.interp(samples, time, distance), y[:, 1] - y[:, 0]
-    low, high = np.percentile(sliding_mean(places, shifting), PERCENTILES).tolist()
-    ratios = [y[:, side] / np.maximum(q[:, side], 1.0) for side in (0, 1)]
-    left, right = (float(np.percentile(sliding_mean(places, ratio), PERCENTILES[1])) for ratio in ratios)
+    limit = alpha * (10e3 + 2.0 * static_wheel_load / 3.0)
+    means = sliding_mean(places, shifting)
+    low, high = np.percentile(means, PERCENTILES).tolist()
+    largest = np.argmin(means) if abs(low) > abs(high) else np.argmax(means)
+    ratios = [sliding_mean(places, y[:, side] / np.maximum(q[:, side], 1.0)) for side in (0, 1)]
     speed = float((distance[-1] - distance[0]) / (time[-1] - time[0]))
-    left_load, right_load = np.percentile(q, PERCENTILES[1], axis=0).tolist()
+    load_limit = min(90e3 + static_wheel_load, largest_wheel_load(speed))
+    left, right = (
+        Assessed(float(np.percentile(ratio, PERCENTILES[1])), _middle(places, int(np.argmax(ratio))), QUOTIENT_LIMIT)
+        for ratio in ratios
+    )
+    left_load, right_load = (
+        Assessed(float(np.percentile(q[:, side], PERCENTILES[1])), float(places[np.argmax(q[:, side])]), load_limit)
+        for side in (0, 1)
+    )
     return WheelsetSafety(
-        track_shifting=max(low, high, key=abs),
-        track_shifting_limit=alpha * (10e3 + 2.0 * static_wheel_load / 3.0),
+        track_shifting=Assessed(max(low, high, key=abs), _middle(places, int(largest)), limit),
         quotient=(left, right),
         load=(left_load, right_load),
-        load_limit=min(90e3 + static_wheel_load, largest_wheel_load(speed)),
-        instability=instability(places, shifting),
+        instability=Assessed(*instability(places, shifting), 0.5 * limit),
     )
+
+
+def _middle(distance: Array, index: int, window: float = WINDOW, step: float = STEP) -> float:
+    """Place m of the middle of a window of `sliding_mean`."""
+    return float(distance[0] + index * step + 0.5 * window)
 
 
 def largest_wheel_load(speed: float) -> float:
@@ -123,18 +149,20 @@ def _integral(distance: Array, signal: Array, ends: Array) -> Array:
     return np.asarray(areas[piece] + x * (signal[piece] + 0.5 * x * np.diff(signal)[piece] / lengths[piece]))
 
 
-def instability(distance: Array, shifting: Array) -> float:
-    """Largest rms, N, over 100 m of the sum of Y within 2 Hz of its main frequency; NaN for less than 100 m.
+def instability(distance: Array, shifting: Array) -> tuple[float, float]:
+    """Largest rms, N, over 100 m of the sum of Y within 2 Hz of its main frequency, and the middle of these 100 m; NaN
+    for less than 100 m.
 
     Parameters:
         distance: (n,) m, at equal times of 2 ms.
         shifting: (n,) N.
     """
     if distance[-1] - distance[0] < INSTABILITY_WINDOW:
-        return float("nan")
+        return float("nan"), float("nan")
     spectrum = np.fft.rfft(shifting - shifting.mean())
     frequency = np.fft.rfftfreq(len(shifting), INTERVAL)
     main = frequency[np.argmax(np.abs(spectrum))]
     near = np.fft.irfft(np.where(np.abs(frequency - main) <= HALF_BAND, spectrum, 0.0), len(shifting))
     squares = sliding_mean(distance, near**2, INSTABILITY_WINDOW, INSTABILITY_STEP)
-    return float(np.sqrt(squares.max()))
+    worst = int(np.argmax(squares))
+    return float(np.sqrt(squares[worst])), _middle(distance, worst, INSTABILITY_WINDOW, INSTABILITY_STEP)

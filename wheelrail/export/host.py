@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 DONE, FAILED = 0, 1  # as in the C header
 OTHERS = tuple(number for number in range(len(INPUTS)) if number not in TRACK_FRAME)
+INPUT_NUMBERS = {variable.name: number for number, variable in enumerate(INPUTS)}
+NOT_OF_THE_START = ("sides", "stress", "error_estimate")  # of a wheelset's solves
 NOBODY = 0  # in place of an element's number: the last failed `open`
 
 
@@ -87,8 +89,8 @@ class Host:
         return self._with(number, lambda own: self._elements.pop(number))
 
     def start(self, number: int, inputs: Array) -> int:
-        """Inputs (17,) of the state of the scene."""
-        return self._with(number, lambda own: np.copyto(inputs, own.element.start_array()))
+        """Inputs (17,) of the state of the scene, in equilibrium with its load."""
+        return self._with(number, lambda own: np.copyto(inputs, loaded_inputs(own.wheelset)))
 
     def solve(self, number: int, inputs: Array, outputs: Array) -> int:
         """Solve a trial state; outputs (14,) of a failed side are NaN."""
@@ -159,6 +161,27 @@ class Host:
 
 def _text(error: Exception) -> str:
     return str(error) if isinstance(error, ValueError | OSError) else f"{type(error).__name__}: {error}"
+
+
+def loaded_inputs(wheelset: Wheelset) -> Array:
+    """Inputs (17,) of a wheelset's state, at the height, and with loads of single wheels the roll, that carry its load.
+
+    Raises ValueError where the load cannot be carried.
+    """
+    import wheelrail as wr
+
+    inputs = wheelset.element().start_array()
+    arguments = {key: value for key, value in wheelset.arguments.items() if key not in NOT_OF_THE_START}
+    if arguments.get("z") is not None:
+        return inputs
+    by_axle = arguments.get("axle_load") is not None
+    data = wr.Wheelset(**arguments).solve(roll=None if by_axle else "solve").data
+    for status in data["status"].values.tolist():
+        if status != "converged":
+            raise ValueError(f"the load of the scene cannot be carried: {status}")
+    for name in ("z", "roll"):
+        inputs[INPUT_NUMBERS[name]] = float(data[name][0])
+    return inputs
 
 
 def loaded_wheelset(options: str, folder: Path) -> Wheelset:

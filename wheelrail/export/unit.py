@@ -12,7 +12,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 from wheelrail.api.elements.variables import PARAMETERS
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.export.host import loaded_wheelset
+from wheelrail.export.host import loaded_inputs, loaded_wheelset
 from wheelrail.export.library import compile_library
 from wheelrail.export.model_description import Fmi, UnitModel, model_description
 from wheelrail.export.runtime import export_runtime, write_scene
@@ -34,7 +34,8 @@ def export_unit(scene: Path, unit: Path, fmi: Fmi = "2.0", *, runtime: bool = Fa
         fmi: version of the interface.
         runtime: whether the unit holds a runtime folder, and needs no installation of this package.
 
-    Raises SceneError for another scene, OSError without a compiler, cffi or Python's headers, or for a file that cannot
+    Start values are an equilibrium with the load of the scene. Raises SceneError for another scene, ValueError for a
+    load that cannot be carried, OSError without a compiler, cffi or Python's headers, or for a file that cannot
     be written, and both as `export_runtime`.
     """
     checked = load_scene(scene)
@@ -55,7 +56,7 @@ def export_unit(scene: Path, unit: Path, fmi: Fmi = "2.0", *, runtime: bool = Fa
             identifier=re.sub(r"\W", "_", f"wheelrail_{unit.stem}", flags=re.ASCII),
             token=token,
             version=versions()["wheelrail"],
-            start=loaded_wheelset('{"scene": "scene.toml"}', resources).element().start_array().tolist(),
+            start=loaded_inputs(loaded_wheelset('{"scene": "scene.toml"}', resources)).tolist(),
             friction=numbers if len(numbers) == len(SIDES) else (),
             has_tangent=checked.model != "standard",
         )

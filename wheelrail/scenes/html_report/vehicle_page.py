@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.scenes.html_report.elements import Page, PagePicture, PageSection, PageTable, number
+from wheelrail.scenes.html_report.elements import Page, PageNote, PagePicture, PageSection, PageTable, number
 from wheelrail.scenes.html_report.extremes import wheel_table
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import pictures
 from wheelrail.scenes.html_report.run_page import SIGNS, key_tables, page_of_run
+from wheelrail.scenes.html_report.views import vehicle_view
 from wheelrail.scenes.plots.vehicle_runs import CHORD, pictures_of
+from wheelrail.scenes.schema.errors import SceneError
 
 if TYPE_CHECKING:
     from xarray import DataArray, Dataset
@@ -32,21 +34,51 @@ CAPTIONS = {
 }
 
 
-def vehicle_page(data: Dataset, file: Path) -> Page:
+def vehicle_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     """Page of a run.
 
     Parameters:
         data: Dataset of the run.
         file: results.
+        view: whether to include an interactive 3D view.
     """
     tables = [wheel_table(data.sel(wheelset=name), str(name)) for name in data["wheelset"].values]
     sections = [
         PageSection("Key figures", key_tables({"": data})),
+        PageSection("Running safety", [_safety(data, file)]),
         PageSection("Extremes", [wheelset_table(data), *tables, body_table(data)], SIGNS),
+        PageSection("Track", [_track(data, file)]),
         PageSection("Figures", pictures(list(_figures(data)), "No figures: fewer than two samples.")),
     ]
+    if view:
+        sections.insert(2, PageSection("Interactive 3D view", [vehicle_view(data, file)]))
     sources = {"Vehicle": str(data.attrs["vehicle"])}
     return page_of_run(data, file, "Vehicle run in three dimensions", sources, sections)
+
+
+def _safety(data: Dataset, file: Path) -> PageTable | PageNote:
+    """Running safety over the whole run, or the reason why it cannot be assessed."""
+    from wheelrail.scenes.runs.safety_table import safety_of_data, safety_table
+
+    try:
+        return PageTable.of_rich(safety_table(safety_of_data(data, file)))
+    except SceneError as error:
+        return PageNote(f"Not assessed: {error}.")
+
+
+def _track(data: Dataset, file: Path) -> PagePicture | PageNote:
+    """Figure of the track, or the reason why it cannot be drawn."""
+    from wheelrail.scenes.runs.track_plot import track_figure
+    from wheelrail.scenes.views.view import scene_of_run, vehicle_of_run
+
+    caption = "Track of the run: plan view, curvature, cant and cant deficiency, gradient and height, irregularities"
+    try:
+        figure = track_figure(scene_of_run(data, file), vehicle_of_run(data, file))
+    except SceneError as error:
+        return PageNote(f"No figure of the track: {error}.")
+    drawn = picture(lambda: figure, caption, caption)
+    assert drawn is not None
+    return drawn
 
 
 def wheelset_table(data: Dataset) -> PageTable:

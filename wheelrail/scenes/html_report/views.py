@@ -52,6 +52,27 @@ def _sample_view(data: Dataset, bodies: RunBodies, name: str) -> PageView:
     return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {description}.")
 
 
+def vehicle_view(data: Dataset, file: Path) -> PageView | PageNote:
+    """View of a vehicle on its track at the largest guiding forces; parameters as for `largest_force_view`."""
+    return _view_or_reason(lambda: _vehicle_view(data, file))
+
+
+def _vehicle_view(data: Dataset, file: Path) -> PageView:
+    from wheelrail.scenes.plots.vehicle_runs import sample_of_largest_forces
+    from wheelrail.scenes.views.vehicle_animation import SCALE, VehicleAnimation
+    from wheelrail.scenes.views.view import bodies_of_scene, scene_of_run, vehicle_of_run
+
+    scene, at = scene_of_run(data, file), data.isel(time=sample_of_largest_forces(data))
+    drawn = VehicleAnimation(data, bodies_of_scene(scene), vehicle_of_run(data, file), scene.track.track())
+    drawn.show(float(at["time"]))
+    drawn.view.title = description = f"Largest guiding forces, at {float(at['distance']):.1f} m"
+    caption = (
+        f"{description}. Above: the vehicle from behind on the right, wheels coloured by their load, bodies on top as "
+        f"boxes of their inertia; below: from above. Displacement magnification factor {SCALE:g}."
+    )
+    return view(drawn.view, caption, f"The vehicle on its track, wheels coloured by their load. {description}.")
+
+
 def case(data: Dataset, file: Path) -> PageView | PageNote:
     """View of one case of a study.
 

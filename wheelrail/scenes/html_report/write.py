@@ -48,7 +48,8 @@ def page(folder: Path, *, view: bool = True) -> Page:
         from wheelrail.scenes.views.view import is_of_vehicle, read_run
 
         data = read_run(folder / RUN)
-        return vehicle_page(data, folder / RUN) if is_of_vehicle(data) else run_page(data, folder / RUN, view=view)
+        page_of = vehicle_page if is_of_vehicle(data) else run_page
+        return page_of(data, folder / RUN, view=view)
     if (folder / STUDY).exists():
         from wheelrail.scenes.datasets.netcdf import read
         from wheelrail.scenes.html_report.study_page import study_page

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from wheelrail.scenes.schema.scene import RunScene
+    from wheelrail.vehicle.multibody.vehicle import Vehicle
 
 # Okabe-Ito colours, each with its own dashes.
 LINES = (("#0072B2", "-"), ("#D55E00", (0, (5, 1.5))), ("#009E73", (0, (1, 1))), ("0.4", (0, (5, 1, 1, 1))))
@@ -24,25 +25,27 @@ POINTS = 1500
 
 def draw_track(scene: RunScene, file: Path, vehicle: Path | None = None) -> None:
     """Save the figure, for a vehicle of a file or the scene's wagon, in the format of the file ending."""
+    from wheelrail.scenes.builders.vehicle import vehicle_on
+
     with styled():
-        save(track_figure(scene, vehicle), file)
+        save(track_figure(scene, None if vehicle is None else vehicle_on(scene, vehicle)), file)
 
 
-def track_figure(scene: RunScene, vehicle: Path | None = None) -> Figure:
+def track_figure(scene: RunScene, vehicle: Vehicle | None = None) -> Figure:
     """Plan view, curvature, cant and cant deficiency, gradient and height, irregularities over distance.
 
     Parameters:
         scene: of a run.
-        vehicle: file of the vehicle at whose front wheelset irregularities begin; None: the scene's wagon.
+        vehicle: the one at whose front wheelset irregularities begin; None: the scene's wagon.
     """
     from matplotlib.figure import Figure
 
-    from wheelrail.scenes.builders.vehicle import track_before, vehicle_on, wagon
+    from wheelrail.scenes.builders.vehicle import track_before, wagon
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import centre_line
 
     alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.speed_profile)
-    track = alignment.track() if vehicle is None else track_before(scene, vehicle_on(scene, vehicle))
+    track = alignment.track() if vehicle is None else track_before(scene, vehicle)
     gravity = wagon(scene).gravity
     irregularities = track.irregularities
     s = np.linspace(0.0, alignment.length, POINTS, dtype=np.float64)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.stress.fields import BodyFields
     from wheelrail.scenes.contacts.side_solution import SideSolution
     from wheelrail.scenes.views.animation import RunBodies
+    from wheelrail.vehicle.multibody.vehicle import Vehicle
 
 
 @dataclass(frozen=True)
@@ -218,11 +219,15 @@ def animate_data(
     if not is_of_vehicle(data):
         animation.animate_run(data, out, bodies, progress=progress, scale=scale or animation.SCALE, **options)
         return
-    vehicle = parse_vehicle(data.attrs["vehicle"], file)
-    scale = scale or vehicle_animation.SCALE
+    vehicle, scale = vehicle_of_run(data, file), scale or vehicle_animation.SCALE
     vehicle_animation.animate_vehicle(
         data, out, bodies, vehicle, scene.track.track(), progress=progress, scale=scale, **options
     )
+
+
+def vehicle_of_run(data: Dataset, file: Path) -> Vehicle:
+    """Vehicle in three dimensions of a run, from its text in the results; parameters and errors as `bodies_of_run`."""
+    return parse_vehicle(str(data.attrs["vehicle"]), file)
 
 
 def read_run(file: Path) -> Dataset:
