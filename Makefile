@@ -1,4 +1,5 @@
 # make run: the paper's curve, end to end (SCENE= another one).  make test: ruff, mypy and pytest.  Both set everything up first.
+# make notebooks: the worked examples in JupyterLab (LAB= its options).
 # Tests run in JOBS=2 processes.  make docs: the documentation, as pages.  make test-debian RELEASE=trixie|sid: the tests on another Debian, as root.
 VENV ?= .venv
 SCENE ?= scenes/curve.toml
@@ -12,7 +13,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
 DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
 
-.PHONY: run test lint suite docs test-debian clean
+.PHONY: run test lint suite notebooks docs test-debian clean
 
 run: $(VENV)/ready
 	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
@@ -35,6 +36,11 @@ suite: $(VENV)/ready-to-test
 	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN)
 	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN:%=--ignore=%)
 
+# Pairs of files: what is saved in JupyterLab goes to the text files, too.
+notebooks: $(VENV)/ready-for-notebooks
+	$(PY) -m jupytext --quiet --update --to ipynb notebooks/*.py
+	$(PY) -m jupyterlab --notebook-dir=notebooks $(if $(filter 0,$(shell id -u)),--allow-root) $(LAB)
+
 docs: $(VENV)/ready-to-test
 	DOCS_NOTEBOOKS=cache $(PY) -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs
 	@echo build/docs/index.html
@@ -42,7 +48,7 @@ docs: $(VENV)/ready-to-test
 test-debian:
 	tests/debian.sh $(RELEASE)
 
-$(VENV)/ready $(VENV)/ready-to-test: pyproject.toml bootstrap.sh
+$(VENV)/ready $(VENV)/ready-for-notebooks $(VENV)/ready-to-test: pyproject.toml bootstrap.sh
 	VENV=$(VENV) ./bootstrap.sh $(@F)
 
 clean:

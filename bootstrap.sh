@@ -1,15 +1,17 @@
 #!/bin/sh
 # Sets up everything on a bare Debian (12 or later): the compiled finite-element stack by apt, the rest by pip in a
 # virtual environment on the system's Python, the only one that can import apt's dolfinx. Safe to run again.
-# bootstrap.sh ready: what runs and draws; bootstrap.sh ready-to-test: and what tests, notebooks and documentation need.
+# bootstrap.sh ready: what runs and draws; bootstrap.sh ready-for-notebooks: and JupyterLab; bootstrap.sh ready-to-test: and
+# what tests and documentation need.
 set -eu
 cd "$(dirname "$0")"
 venv=${VENV:-.venv}
 state=${1:-ready}
 case $state in
   ready) extras=view; more="" ;;
+  ready-for-notebooks) extras=view,notebook; more="" ;;
   ready-to-test) extras=view,cluster,notebook,docs,dev; more="chromium" ;;
-  *) echo "bootstrap.sh $state: must be ready or ready-to-test" >&2; exit 2 ;;
+  *) echo "bootstrap.sh $state: must be ready, ready-for-notebooks or ready-to-test" >&2; exit 2 ;;
 esac
 
 # OpenBLAS: with the reference BLAS sparse factorisations take 4 to 8 times longer.
@@ -43,4 +45,5 @@ for name in ("numpy", "scipy", "mpi4py", "petsc4py", "slepc4py", "cffi", "h5py",
 PY
 "$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$venv/constraints.txt" -e ".[$extras]"
 "$venv/bin/python" -c "import dolfinx, numpy; print('dolfinx', dolfinx.__version__, '- numpy', numpy.__version__)"
-touch "$venv/ready" "$venv/$state"  # whatever is ready to test is ready
+touch "$venv/ready" "$venv/$state"  # whatever is ready for more is ready
+[ "$state" != ready-to-test ] || touch "$venv/ready-for-notebooks"

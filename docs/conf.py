@@ -28,7 +28,7 @@ extensions = [
     "extensions.module_links",
     "extensions.numbered_equations",
 ]
-exclude_patterns = ["conf.py", "extensions", "_static", "**/__pycache__", "**/.ipynb_checkpoints"]
+exclude_patterns = ["conf.py", "extensions", "_static", "**/__pycache__", "**/.ipynb_checkpoints", "**/*.ipynb"]
 source_suffix = {".rst": "restructuredtext", ".md": "myst-nb", ".py": "myst-nb"}
 suppress_warnings = ["config.cache", "ref.python"]  # a name may be public in two places
 

@@ -184,3 +184,12 @@ top = int(np.argmax(mises))
 print(f"von Mises: at most {mises[top]:.3f} p0 at {zeta[top]:.2f} a")
 assert abs(mises[top] - 0.62) < 0.01
 assert 0.4 <= zeta[top] <= 0.56
+
+# %% [markdown]
+# ## In three dimensions
+#
+# The bodies with their displacements magnified, the pressure on the patch, and the von Mises stress on two cuts through
+# it. The view turns with the left mouse button and zooms with the right one; it needs the extra `view`.
+
+# %% tags=["view", "remove-output"]
+pair().solve(load=LOAD).view().show()

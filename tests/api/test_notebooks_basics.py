@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
+import shutil
+import subprocess
+import sys
 from itertools import chain
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -89,6 +94,27 @@ def test_notebook_pairs(notebook: Any) -> None:
         return script.split("# ---\n", 2)[2]
 
     assert body(jupytext.writes(again, "py:percent")) == body(notebook.read_text(encoding="utf-8"))
+
+
+def test_make_notebooks(tmp_path: Path) -> None:
+    """The commands of the Makefile: notebooks beside the text files, and JupyterLab there."""
+    done = subprocess.run(
+        ["make", "-n", "-o", "V/ready-for-notebooks", "VENV=V", f"PY={sys.executable}", "LAB=--version", "notebooks"],
+        cwd=NOTEBOOKS.parent,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    convert, serve = (line for line in done.stdout.splitlines() if line.startswith(sys.executable))
+    (tmp_path / "notebooks").mkdir()
+    for file in ALL[:2]:
+        shutil.copy(file, tmp_path / "notebooks")
+    subprocess.run(convert, shell=True, cwd=tmp_path, check=True, timeout=60)
+    names = {file.name for file in (tmp_path / "notebooks").glob("*.ipynb")}
+    assert names == {file.with_suffix(".ipynb").name for file in ALL[:2]}
+    served = subprocess.run(serve, shell=True, cwd=tmp_path, check=True, timeout=60, capture_output=True, text=True)
+    assert re.fullmatch(r"\d+\.\d+\.\d+\n", served.stdout)
+    assert "--notebook-dir=notebooks" in serve
 
 
 def executed_by_jupyter(notebook: Any, monkeypatch: pytest.MonkeyPatch, timeout: int = 120) -> list[list[Any]]:

@@ -8,6 +8,7 @@ from typing import Any
 
 NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
 ALL = sorted(NOTEBOOKS.glob("*.py"))
+VIEW = '"view"'  # tag
 
 
 def cells(notebook: Path) -> Iterator[tuple[str, str]]:
@@ -17,6 +18,12 @@ def cells(notebook: Path) -> Iterator[tuple[str, str]]:
         heading, _, body = part.partition("\n")
         if "[markdown]" not in heading:
             yield heading, body
+
+
+def view_cell() -> str:
+    """Code of the one cell that shows an interactive 3D view, which needs a process of its own."""
+    (code,) = (body for notebook in ALL for heading, body in cells(notebook) if VIEW in heading)
+    return code
 
 
 def executed(name: str, **parameters: Any) -> dict[str, Any]:
@@ -35,6 +42,8 @@ def executed(name: str, **parameters: Any) -> dict[str, Any]:
     try:
         with matplotlib.rc_context():
             for heading, body in cells(notebook):
+                if VIEW in heading:
+                    continue
                 exec(compile(body, f"{notebook.name}{heading}", "exec"), names)
                 if '"parameters"' in heading:
                     assert parameters.keys() <= names.keys()

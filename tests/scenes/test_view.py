@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from notebook_runner import view_cell
 from solid_scene import SOLIDS
 from typer.testing import CliRunner
 from xarray import Dataset
@@ -391,17 +392,22 @@ def test_ctrl_c_works_after_an_interactive_page() -> None:
 
 
 def test_notebook_shows_an_interactive_scene(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a kernel a plotter is displayed as a widget served by a local server."""
+    """The cell of the notebook: in a kernel a plotter is displayed as a widget served by a local server."""
     import nbclient
     import nbformat
 
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
-    cell = nbformat.v4.new_code_cell(
-        "from wheelrail.scenes.views.plotter import plotter, pyvista\n"
-        "view = plotter(size=(300, 200))\n"
-        "view.add_mesh(pyvista().Sphere())\n"
-        "view.show()"
-    )
+    sphere = """from wheelrail.scenes.views.plotter import plotter, pyvista
+LOAD = 10e3
+class pair:  # a view of a sphere in place of that of a solution
+    def solve(self, load):
+        return self
+    def view(self):
+        view = plotter(size=(300, 200))
+        view.add_mesh(pyvista().Sphere())
+        return view
+"""
+    cell = nbformat.v4.new_code_cell(sphere + view_cell())
     nbclient.NotebookClient(nbformat.v4.new_notebook(cells=[cell]), timeout=120, kernel_name="python3").execute()
     shown = [output["data"] for output in cell.outputs if "data" in output]
     assert any("application/vnd.jupyter.widget-view+json" in data for data in shown)
