@@ -164,9 +164,9 @@ def _text(error: Exception) -> str:
 
 
 def loaded_inputs(wheelset: Wheelset) -> Array:
-    """Inputs (17,) of a wheelset's state, at the height, and with loads of single wheels the roll, that carry its load.
+    """Inputs (17,) of a wheelset's state, at the height and the roll at which both wheels carry their loads.
 
-    Raises ValueError where the load cannot be carried.
+    Of an axle load each wheel carries half, unless a roll is given. Raises ValueError where the load cannot be carried.
     """
     import wheelrail as wr
 
@@ -174,11 +174,12 @@ def loaded_inputs(wheelset: Wheelset) -> Array:
     arguments = {key: value for key, value in wheelset.arguments.items() if key not in NOT_OF_THE_START}
     if arguments.get("z") is not None:
         return inputs
-    by_axle = arguments.get("axle_load") is not None
-    data = wr.Wheelset(**arguments).solve(roll=None if by_axle else "solve").data
-    for status in data["status"].values.tolist():
-        if status != "converged":
-            raise ValueError(f"the load of the scene cannot be carried: {status}")
+    load, tilted = arguments.get("axle_load"), arguments.get("roll") not in (None, 0.0, "solve")
+    by_wheel = {} if load is None else {"wheel_load": 0.5 * load}
+    data = wr.Wheelset(**arguments).solve(**({} if load and tilted else {**by_wheel, "roll": "solve"})).data
+    statuses = data["status"].values.tolist()
+    if failed := [status for status in statuses if status not in ("converged", "separated")]:
+        raise ValueError(f"the load of the scene cannot be carried: {failed[0]}")
     for name in ("z", "roll"):
         inputs[INPUT_NUMBERS[name]] = float(data[name][0])
     return inputs
