@@ -32,6 +32,9 @@ STEP = {"y": 3e-5, "z": 1e-5}  # m, to the start of the warm solve
 # penetration, 5 to 8 % larger on ellipses and more where patches are not; its tangential force is within a third of
 # mu N of the complete theory at every creepage.
 BAND_APPROACH, BAND_FORCE = 0.5, 0.4
+NAMED = re.compile(r"overlaps the rail \S+ mm deep at y = (\S+), z = \S+ mm of its profile")
+NEAR = 5e-3  # m on the profile of a wheel
+ORDINARY = (-50e-3, 45e-3)  # m, where a wheel touches a rail between flange tip and rim
 NO_RIM = re.compile(r"^wheel disc_\w+ is \S+ m wide, the rim \S+ m$")
 REFUSED = re.compile(r"(wheel_load|axle_load) = \S+: must be a number from (\S+) to (\S+)")
 
@@ -250,6 +253,13 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
         if deepest > OVERLAP:
             return "pressed into the rail by more than half a millimetre"
         return ""
+    named = NAMED.search(result.status)
+    if named:
+        y = 1e-3 * float(named[1])
+        low = rigid.section(replace(at, z=rigid.first_contact(at) - OVERLAP))
+        overlaps = low.depth[np.abs(low.y - y) < NEAR].max(initial=-np.inf) > 0.0
+        if overlaps and not ORDINARY[0] < y < ORDINARY[1]:
+            return f"names an overlap of the {'flange' if y < 0.0 else 'rim'}"
     resting = rigid.first_contact(replace(at, z=0.0))
     if not resting > -DEEPEST:
         return "beside the rail"

@@ -169,6 +169,14 @@ def test_exceptions_and_failures() -> None:
     assert explanation(beside, "left", failed) == "beside the rail"
 
 
+@pytest.mark.parametrize(("y", "reason"), [(-55.0, "names an overlap of the flange"), (-20.0, ""), (50.0, "")])
+def test_a_failure_that_names_an_overlap(y: float, reason: str) -> None:
+    own, result = example()
+    groove = replace(own, wheelset={**own.wheelset, "rail": rail("groove", depth=27e-3), "laying_angle": 0.0})
+    status = f"failed: the wheel overlaps the rail 1.2 mm deep at y = {y}, z = 28.0 mm of its profile, where it ends"
+    assert explanation(groove, "left", replace(result, status=status)) == reason
+
+
 def test_verdicts_and_their_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     own, _ = example()
     right = judged(own)
