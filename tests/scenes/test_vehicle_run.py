@@ -199,9 +199,33 @@ def test_evaluate_command(whole: Path, tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["evaluate", str(whole), "--from", "5"])
     assert done.exit_code == 0, done.stderr
     row = next(line for line in done.stdout.splitlines() if line.strip().startswith("sum of Y"))
-    assert row.split()[-1] == "46.36"  # 10 kN and a third of the axle load of 109.1 kN
+    assert row.split()[-2] == "46.36"  # 10 kN and a third of the axle load of 109.1 kN
     refused = CliRunner().invoke(app, ["evaluate", str(whole), "--from", "21"])
     assert (refused.exit_code, "must have results of more than 2 m" in refused.stderr) == (2, True)
+
+
+def test_evaluate_says_that_a_run_failed_and_takes_no_missing_force_for_zero(whole: Path, tmp_path: Path) -> None:
+    from wheelrail.scenes.runs.safety_table import safety_of_data
+
+    file, data = tmp_path / "run.nc", results(whole)
+    complete = safety_of_data(data, file)
+    assert complete.remarks == []
+    gap = data.copy(deep=True).assign_attrs(status="failed: the front wheelset has left the rails")
+    middle = gap.sizes["time"] // 2
+    for name in ("guiding_force", "vertical_force"):
+        gap[name][middle] = np.nan
+    gap.to_netcdf(file)
+    done = CliRunner().invoke(app, ["evaluate", str(file)])
+    assert done.exit_code == 0, done.stderr
+    text = " ".join(done.stdout.split())
+    assert f"The run is not complete and ends at {float(data['distance'][-1]):.1f} m: failed: the front" in text
+    assert f"1 of {gap.sizes['time']} samples have no contact forces and are left out" in text
+    # With 0 N in the gap the sum of Y and Q would be those of a wheel in the air.
+    for name, safety in safety_of_data(gap, file).wheelsets.items():
+        assert safety.load[0].value == pytest.approx(complete.wheelsets[name].load[0].value, rel=1e-3)
+    gap["vertical_force"][2:-2] = np.nan
+    with pytest.raises(SceneError, match=r"no contact forces over \d+\.\d m: must be known every 2 m"):
+        safety_of_data(gap, file)
 
 
 def test_a_run_of_a_vehicle_from_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: Path) -> None:

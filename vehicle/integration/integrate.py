@@ -18,6 +18,7 @@ from wheelrail.vehicle.integration.problem import (
     Forcing,
     Instant,
     Linearise,
+    LongestStep,
     RightHandSide,
     StepFailure,
     StepMethod,
@@ -175,6 +176,7 @@ def integrate(
     counts: StepStatistics | None = None,
     follow: Follow | None = None,
     next_end: NextEnd | None = None,
+    longest: LongestStep[E] | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
@@ -192,6 +194,8 @@ def integrate(
             solution follow it, the stages of a step stay near the solution.
         next_end: the next time s, after a given one, at which a step has to end, such as that of a kink of the
             right-hand side; infinite for none.
+        longest: the longest step s from a time, state and evaluation, up to a given one, whose stages do not overlook
+            changes of the right-hand side over time; None: any.
 
     Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
@@ -209,7 +213,10 @@ def integrate(
         target, proposed = t1 if next_end is None else min(t1, next_end(t)), h
         if t + 1.01 * h >= target:
             h = target - t
-        elif h < settings.min_step:
+        if longest is not None and (bound := longest(t, x, start, h)) < h:
+            h, proposed = bound, bound
+            reason = reason or StepFailure("the right-hand side changes faster over time")
+        if h < settings.min_step and h < target - t:
             raise StepTooSmall(f"step {h:.3g} s < {settings.min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
         try:
             new, difference, last = trial_step(t, x, start, h)

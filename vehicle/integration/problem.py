@@ -58,6 +58,10 @@ Damping = Callable[[Array], Array]  # a change (n,) within a step without its st
 Follow = Callable[[float, Array], Forcing]  # the forcing of a step, by its start in time and state
 
 
+# Longest step s, up to a given one, by its start in time and state and the evaluation there.
+LongestStep = Callable[[float, Array, E, float], float]
+
+
 class StepMethod(Protocol[E]):
     """Trial step of length h from x at t, with the evaluation `start` there: new state, its estimated error, evaluation
     of the last stage. Raises StepFailure.

@@ -50,9 +50,10 @@ def simulate(
         until: distance m at which the run is complete, with the step that reaches it; see `History.distance`.
 
     A vehicle that runs free and has slowed down to 0.1 m/s has stopped, and the run is complete. Steps end at the kinks
-    of torques and forces over time. The initial guess of a contact solve is the previous result, at the start of a step
-    that of the latest accepted state. A failed solve shortens the step. If the smallest step fails, beyond the limits,
-    or on Ctrl-C, the history ends there; its status names the reason. Raises ValueError for invalid input.
+    of torques and forces over time and resolve what else is prescribed, see `Excitation`. The initial guess of a
+    contact solve is the previous result, at the start of a step that of the latest accepted state. A failed solve
+    shortens the step. If the smallest step fails, beyond the limits, or on Ctrl-C, the history ends there; its status
+    names the reason. Raises ValueError for invalid input.
     """
     if initial is not None and np.shape(initial) != (dynamics.size,):
         raise ValueError(f"initial: shape {np.shape(initial)}: must be ({dynamics.size},), the state of this vehicle")
@@ -63,7 +64,7 @@ def simulate(
 
 
 def step_settings(dynamics: VehicleDynamics, steps: StepSettings) -> StepSettings:
-    """Settings with the absolute tolerance of each component of the state and the longest step.
+    """Settings with the absolute tolerance of each component of the state.
 
     Parameters:
         dynamics: equations of motion.
@@ -79,12 +80,4 @@ def step_settings(dynamics: VehicleDynamics, steps: StepSettings) -> StepSetting
             rtol = np.where(dynamics.drifting, 0.0, rtol)
         masses, wheels = dynamics.mass.sum(), len(SIDES) * len(dynamics.vehicle.wheelsets)
         output_tolerance = float(FORCE_SCALE * np.max(steps.rtol) * GRAVITY * masses / wheels) or np.inf
-    longest = min(steps.max_step, longest_step(dynamics))
-    return replace(steps, rtol=rtol, atol=atol, output_tolerance=output_tolerance, max_step=longest)
-
-
-def longest_step(dynamics: VehicleDynamics) -> float:
-    """Longest step s: a third of the time from sleeper to sleeper, where these are discrete."""
-    if dynamics.structure is None:
-        return np.inf
-    return dynamics.structure.period / (3.0 * max(dynamics.speed_profile.speeds.values))
+    return replace(steps, rtol=rtol, atol=atol, output_tolerance=output_tolerance)

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter
 
+import numpy as np
+
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import deferred_interrupts
@@ -18,6 +20,7 @@ from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvalua
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints, WarmStarts
 from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
+from wheelrail.vehicle.simulation.excitation import Excitation
 from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.limits import SLOWEST, Limits, OutOfBounds, describe_position
 from wheelrail.vehicle.simulation.rail_following import rail_following
@@ -155,6 +158,7 @@ class TimeRun:
             counts=self.cost.steps,
             follow=rail_following(self.dynamics),
             next_end=self._next_end if self.dynamics.drifts else None,
+            longest=Excitation(self.dynamics, float(np.min(self.steps.atol))).longest_step,
         )
         for count, step in enumerate(steps, start=1):
             if self._accept(step):

@@ -40,7 +40,8 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
         for function in (line.curvature, line.superelevation, line.gradient)
     )
     transient = replace(dynamics, track=Track(curvature, superelevation, gradient, line.base), speed=speed)
-    state, settings = start, StepSettings(ROSENBROCK.name, TOLERANCE, transient.tolerances(1e-3 * TOLERANCE))
+    atol, longest = transient.tolerances(1e-3 * TOLERANCE), RAMP / 4  # which meets the transition
+    state, settings = start, StepSettings(ROSENBROCK.name, TOLERANCE, atol, max_step=longest)
     jacobian = VehicleJacobian(transient, StepStatistics())
     for step in integrate(transient, 0.0, start, RAMP + DECAY, settings, jacobian=jacobian):
         state = step.x

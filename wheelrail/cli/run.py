@@ -246,5 +246,5 @@ def evaluate(
     from wheelrail.scenes.runs.safety_table import safety_of, safety_table
 
     with error_lines(""), stdout_for_results():
-        wheelsets = safety_of(results, start, end, alpha)
-    print_results(safety_table(wheelsets))
+        safety = safety_of(results, start, end, alpha)
+    print_results(safety_table(*safety))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -13,14 +13,21 @@ from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.datasets.number_text import fixed
 from wheelrail.scenes.runs.files import RESULTS
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.vehicle.evaluation.running_safety import Assessed, WheelsetSafety, wheelset_safety
+from wheelrail.vehicle.evaluation.running_safety import WINDOW, Assessed, WheelsetSafety, wheelset_safety
 
 if TYPE_CHECKING:
     from rich.table import Table
     from xarray import Dataset
 
 
-def safety_of(results: Path, start: float, end: float, alpha: float) -> dict[str, WheelsetSafety]:
+class Safety(NamedTuple):
+    """Assessed quantities by wheelset, and remarks on a run that is not complete."""
+
+    wheelsets: dict[str, WheelsetSafety]
+    remarks: list[str]
+
+
+def safety_of(results: Path, start: float, end: float, alpha: float) -> Safety:
     """Assessed quantities by wheelset.
 
     Parameters:
@@ -28,25 +35,35 @@ def safety_of(results: Path, start: float, end: float, alpha: float) -> dict[str
         start, end: m, of the section of track.
         alpha: of the limit of the sum of Y.
 
-    Raises SceneError for results of the plane wagon, and for a section of less than 2 m.
+    Samples without forces, of contacts that failed there, are left out. Raises SceneError for results of the plane
+    wagon, for a section of less than 2 m, and for one of which more than 2 m have no forces.
     """
     file = results / RESULTS if results.is_dir() else results
     return safety_of_data(read(file), file, start, end, alpha)
 
 
-def safety_of_data(
-    data: Dataset, file: Path, start: float = 0.0, end: float = inf, alpha: float = 1.0
-) -> dict[str, WheelsetSafety]:
+def safety_of_data(data: Dataset, file: Path, start: float = 0.0, end: float = inf, alpha: float = 1.0) -> Safety:
     """The same of a Dataset; file: its place, for errors."""
     if "guiding_force" not in data or "wheelset" not in data.dims:
         raise SceneError(f"{file}: must contain a run of a vehicle file, by wheelrail run --vehicle")
     section = data.isel(time=(data["distance"].values >= start) & (data["distance"].values <= end))
     if section.sizes["time"] < 2 or not np.ptp(section["distance"].values) > 2.0:
         raise SceneError(f"{file}: must have results of more than 2 m between {start:g} and {end:g} m")
-    time, distance = section["time"].values, section["distance"].values
-    forces = section[["guiding_force", "vertical_force"]].sel(side=["left", "right"]).fillna(0.0)
+    status, remarks = str(data.attrs.get("status", "of unknown status")), list[str]()
+    if status != "completed":
+        remarks.append(f"The run is not complete and ends at {float(data['distance'][-1]):.1f} m: {status}")
+    forces = section[["guiding_force", "vertical_force"]].sel(side=["left", "right"])
     forces = forces.transpose("time", "wheelset", "side")
-    return {
+    known = np.isfinite(forces["guiding_force"].values + forces["vertical_force"].values).all(axis=(1, 2))
+    if not known.all():
+        places, count = section["distance"].values, np.count_nonzero(~known)
+        longest = float(np.diff([places[0], *places[known], places[-1]]).max())
+        if longest > WINDOW:
+            raise SceneError(f"{file}: no contact forces over {longest:.1f} m: must be known every {WINDOW:g} m")
+        remarks.append(f"{count} of {len(known)} samples have no contact forces and are left out")
+        section, forces = section.isel(time=known), forces.isel(time=known)
+    time, distance = section["time"].values, section["distance"].values
+    wheelsets = {
         str(name): wheelset_safety(
             time,
             distance,
@@ -57,13 +74,17 @@ def safety_of_data(
         )
         for name in data["wheelset"].values
     }
+    return Safety(wheelsets, remarks)
 
 
-def safety_table(wheelsets: dict[str, WheelsetSafety]) -> Table:
-    """Table with the value and its place for every wheelset, the limit, and whether all wheelsets keep it."""
+def safety_table(wheelsets: dict[str, WheelsetSafety], remarks: Sequence[str] = ()) -> Table:
+    """Table with the value and its place for every wheelset, the limit, and whether all wheelsets keep it; remarks
+    follow its title.
+    """
     from rich.table import Table
 
-    table = Table(title="Running safety and track loading after EN 14363: value, and place along the track (m)")
+    title = "Running safety and track loading after EN 14363: value, and place along the track (m)"
+    table = Table(title=". ".join([title, *remarks]))
     table.title_justify = "left"
     for name in ("", *wheelsets, "limit", "result"):
         table.add_column(name, justify="right" if name else "left")
