@@ -32,8 +32,7 @@ def patch_area(square: Array, bounds: Array) -> float:
             total += np.sqrt(max(square[i], 0.0)) * (bounds[i + 1] - bounds[i])
         return total
     for i in range(S):
-        first, middle = min(max(i - 1, 0), S - 3), 0.5 * (bounds[i] + bounds[i + 1])
-        a, b, c = _parabola(square[first : first + 3], bounds[first : first + 4], middle)
+        a, b, c = _within(square, bounds, i)
         half = 0.5 * (bounds[i + 1] - bounds[i])
         low = -_end(a, -b, c, half) if i == 0 else -half
         high = _end(a, b, c, half) if i == S - 1 else half
@@ -41,6 +40,27 @@ def patch_area(square: Array, bounds: Array) -> float:
             y = low + 0.5 * (high - low) * RISE[k]
             total += (high - low) * SHARE[k] * np.sqrt(max((a * y + b) * y + c, 0.0))
     return total
+
+
+@compiled
+def lateral_ends(square: Array, bounds: Array) -> tuple[float, float]:
+    """Lateral ends m of the contact, which moves over the outer strips and does not end with them; parameters as for
+    `patch_area`.
+    """
+    S = len(square)
+    if S < LEAST_STRIPS:
+        return bounds[0], bounds[S]
+    a, b, c = _within(square, bounds, 0)
+    low = 0.5 * (bounds[0] + bounds[1]) - _end(a, -b, c, 0.5 * (bounds[1] - bounds[0]))
+    a, b, c = _within(square, bounds, S - 1)
+    return low, 0.5 * (bounds[S - 1] + bounds[S]) + _end(a, b, c, 0.5 * (bounds[S] - bounds[S - 1]))
+
+
+@borrowing
+def _within(square: Array, bounds: Array, i: int) -> tuple[float, float, float]:
+    """Coefficients of the parabola in a strip, from its middle, by the means over it and the nearest two."""
+    first = min(max(i - 1, 0), len(square) - 3)
+    return _parabola(square[first : first + 3], bounds[first : first + 4], 0.5 * (bounds[i] + bounds[i + 1]))
 
 
 @borrowing

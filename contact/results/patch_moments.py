@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.results.patch_area import LEAST_STRIPS, patch_area
+from wheelrail.contact.results.patch_area import LEAST_STRIPS, lateral_ends, patch_area
 from wheelrail.contact.results.patch_sums import PatchSums
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
@@ -37,7 +37,7 @@ class StripMeans(NamedTuple):
 
 @compiled
 def sharpened(sums: PatchSums, strips: StripMeans, marks: Array) -> PatchSums:
-    """Sums of a patch with semi-axes, area and stick area interpolated within cells.
+    """Sums of a patch with lateral ends, semi-axes, area and stick area interpolated within cells.
 
     Parameters:
         sums: over the cells.
@@ -55,7 +55,11 @@ def sharpened(sums: PatchSums, strips: StripMeans, marks: Array) -> PatchSums:
         bounds[i] = strips.middle[i] - 0.5 * strips.width[i]
         bounds[i + 1] = strips.middle[i] + 0.5 * strips.width[i]
     across = lateral_spread(load, strips.middle, strips.width)
-    area = patch_area(square, bounds)
+    area, (low, high) = patch_area(square, bounds), lateral_ends(square, bounds)
+    bands, level = sums.bands.copy(), abs(sums.axes[2, 2])
+    for c in range(0, 4, 2):  # from the sides of the outer strips, on the wheel and on the rail
+        bands[c] += (low - bounds[0]) * level
+        bands[c + 1] += (high - bounds[S]) * level
     return PatchSums(
         area,
         min(stick_area(sticks, bounds), area),
@@ -66,7 +70,7 @@ def sharpened(sums: PatchSums, strips: StripMeans, marks: Array) -> PatchSums:
         sums.point,
         sums.wheel,
         sums.rail,
-        sums.bands,
+        bands,
         np.array([spread(strips.pressure, strips.edges, marks), across]),
         sums.creepage,
         sums.power,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.error_estimate import ErrorEstimate
-from wheelrail.contact.results.patch_area import patch_area
+from wheelrail.contact.results.patch_area import lateral_ends, patch_area
 from wheelrail.contact.results.patch_moments import stick_area, stick_lengths
 from wheelrail.contact.results.result import ContactResult, LazyPatches
 from wheelrail.meshes.profiles.named import named_profile
@@ -168,6 +169,30 @@ def test_area_of_an_ellipse_by_strips(ratio: float) -> None:
         square = 4 * ratio**2 * np.diff(inner)
         assert patch_area(square, bounds) == pytest.approx(ratio * np.pi * wide**2 / 4, rel=2e-3)
     assert patch_area(np.array([4.0, 9.0]), np.array([0.0, 1.0, 2.0])) == 5.0
+
+
+@pytest.mark.parametrize("shift", np.linspace(0.0, 0.9, 7))
+def test_the_contact_ends_within_its_outer_strips(shift: float) -> None:
+    """Wherever strips of 0.4 lie on an ellipse of semi-axis 1; outer ones are loaded on a part of their width."""
+    bounds = 0.4 * (np.arange(-4.0, 4.0) + shift)
+    bounds = bounds[(bounds > -1.3) & (bounds < 1.3)]
+    square = np.array(
+        [4.0 * (1.0 - (a * a + a * b + b * b) / 3.0) for a, b in pairwise(bounds)]
+    )  # means of 4 (1 - y^2)
+    loaded = [k for k, (a, b) in enumerate(pairwise(bounds)) if b > -1.0 and a < 1.0 and square[k] > 0.0]
+    own = slice(loaded[0], loaded[-1] + 1)
+    assert lateral_ends(square[own], bounds[loaded[0] : loaded[-1] + 2]) == pytest.approx((-1.0, 1.0), abs=1e-12)
+
+
+def test_bands_end_with_the_contact() -> None:
+    """Lateral ends over the load against Hertz; by whole strips they were off by up to half a strip, 7 %."""
+    depth = loaded(pair())[0]
+    for part in np.linspace(0.5, 1.5, 6):
+        (patch,) = pair()(hertz_pose(part * depth), flowing(), None).patches
+        modulus_of_both = modulus((STEEL.E, STEEL.nu), (STEEL.E, STEEL.nu))
+        b = hertz(0.5 / RADII[0], 0.5 / RADII[1], modulus_of_both, force=patch.normal_force).semi_axes[1]
+        assert np.array(patch.wheel_band) / b == pytest.approx([-1.0, 1.0], abs=0.02)
+        assert np.array(patch.rail_band) / b == pytest.approx([-1.0, 1.0], abs=0.02)
 
 
 def errors(resolution: LatticeResolution) -> Array:
