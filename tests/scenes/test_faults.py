@@ -235,7 +235,7 @@ PHASES = {
     "half a checkpoint": "import os; kept = os.pwrite; calls = []\n"
     "def half(to, data, at):\n    calls.append(at)\n    if len(calls) == 3: kept(to, data[:99], at); stop()\n"
     "    return kept(to, data, at)\nos.pwrite = half",
-    "results": "import xarray as m; m.Dataset.to_netcdf = after(m.Dataset.to_netcdf, 1)",
+    "results": "import xarray as m; m.Dataset.dump_to_store = after(m.Dataset.dump_to_store, 1)",
     "results in place": "import os; os.replace = after(os.replace, 2)",
     "end": "import wheelrail.scenes.runs.checkpoint_file as m; m.CheckpointFile.remove = stop",
 }
@@ -484,7 +484,7 @@ def test_a_study_killed_among_its_cases_repeats_none(tmp_path: Path, count: int)
         ),
         ("import wheelrail.scenes.studies.store as m; m.Store.save = after(m.Store.save, 2)", 1, 130),
         ("import os; os.replace = after(os.replace, 3)", 2, 130),
-        ("import xarray as m; m.Dataset.to_netcdf = after(m.Dataset.to_netcdf, 1)", 4, 0),
+        ("import xarray as m; m.Dataset.dump_to_store = after(m.Dataset.dump_to_store, 1)", 4, 0),
         (DRAWN, 4, 130),
     ],
 )

@@ -376,7 +376,12 @@ def test_long_tables_are_truncated(tmp_path: Path) -> None:
         ({"study.nc": "whole"}, "DIR/study.nc: contains no results of a study"),
         ({"run.nc": "other"}, "DIR/run.nc: must contain results of a run"),
         ({"differences.json": b"{"}, "DIR/differences.json: is no valid table of a comparison"),
-        ({"differences.json": b'{"first": "a", "second": "b"}'}, "DIR/a/run.nc: file does not exist"),
+        (
+            {"differences.json": b'{"first": "standard", "second": "full"}'},
+            "DIR/standard/run.nc: file does not exist",
+        ),
+        ({"differences.json": b'{"first": "../a", "second": "b"}'}, "DIR/differences.json: '../a': must be a contact"),
+        ({"differences.json": b"[" * 100_000}, "DIR/differences.json: is no valid table of a comparison"),
     ],
 )
 def test_folders_without_results_are_rejected(files: dict[str, Any] | None, complaint: str, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 import wheelrail as wr
 from wheelrail.cli.main import app
+from wheelrail.scenes.datasets.netcdf import write
 from wheelrail.scenes.tables import make
 
 SCENE = """
@@ -129,7 +130,7 @@ def test_a_table_of_another_pair_is_refused(table: Path, changes: dict[str, Any]
 
 
 def test_a_file_that_is_no_table_is_refused(tmp_path: Path) -> None:
-    xr.Dataset(attrs={"kind": "wheelset"}).to_netcdf(tmp_path / "other.nc")
+    write(xr.Dataset(attrs={"kind": "wheelset"}), tmp_path / "other.nc")
     with pytest.raises(wr.SceneError, match=r"other\.nc: not a table of contact forces"):
         wr.Wheelset(**PAIR, model="table", table=tmp_path / "other.nc").element()
 

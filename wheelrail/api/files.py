@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene, load_scene
+from wheelrail.support.text_file import present
 
 if TYPE_CHECKING:
     from wheelrail.api.hertz import Hertz
@@ -49,21 +50,16 @@ def open(file: str | Path) -> Solution | Run | Study:
     Parameters:
         file: written by `to_netcdf`, or run.nc or study.nc of the command line.
 
-    Raises SceneError for a file without results of wheelrail, OSError for one that cannot be read.
+    Raises SceneError for a file without results of wheelrail, FileNotFoundError.
     """
-    from xarray import open_dataset
-
     from wheelrail.api.runs import Run
     from wheelrail.api.solution import Solution
     from wheelrail.api.studies import Study
+    from wheelrail.scenes.datasets.netcdf import read
 
-    if not Path(file).is_file():
+    if not present(Path(file)):
         raise FileNotFoundError(f"{file}: file does not exist")
-    try:
-        with open_dataset(file, engine="netcdf4", decode_times=False) as stored:
-            data = stored.load()
-    except (OSError, ValueError) as error:
-        raise SceneError(f"{file}: not a readable NetCDF file ({error}); must be results of wheelrail") from None
+    data = read(Path(file))
     if "point" in data.dims and "patches" in data:
         return Solution(data)
     if data.attrs.get("kind") == "study":

@@ -9,7 +9,7 @@ import numpy as np
 
 from wheelrail.contact.results.result import FEWEST_STRIPS
 from wheelrail.scenes.datasets.number_text import fixed, significant
-from wheelrail.scenes.datasets.run import AXES
+from wheelrail.scenes.datasets.run_schema import AXES
 
 if TYPE_CHECKING:
     from pandas import DataFrame

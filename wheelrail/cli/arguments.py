@@ -56,11 +56,11 @@ def error_lines(scene: str, place: str | None = None) -> Iterator[None]:
     """
     from wheelrail.scenes.schema.errors import RunFailed, SceneError
     from wheelrail.support.memory import TooLarge
-    from wheelrail.support.text_file import abridged
+    from wheelrail.support.text_file import FileRefused, abridged
 
     try:
         yield
-    except (SceneError, TooLarge) as error:
+    except (SceneError, TooLarge, FileRefused) as error:
         raise rejected(f"{scene}{error}") from None
     except ImportError as error:  # of an extra that is not installed
         print(error, file=sys.stderr)

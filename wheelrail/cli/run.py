@@ -70,6 +70,7 @@ def run(
     checked = load_run(scene)
     from wheelrail.scenes.runs.resume import ended
     from wheelrail.scenes.runs.run import run_scene
+    from wheelrail.scenes.schema.toml import read_text
 
     folder = results_folder(out, Path("results", scene.stem))
     with error_lines(f"{scene}: ", f"{folder}: "):
@@ -77,7 +78,7 @@ def run(
             print(f"{folder}: the run is complete; nothing to resume")
             return
         with stdout_for_results():
-            text = scene.read_text(encoding="utf-8")
+            text = read_text(scene)
             outcome = run_scene(checked, text, folder, progress_console(), resume=resume, vehicle=vehicle)
     print_results(*outcome.summary())
     if outcome.status == "interrupted":
@@ -100,10 +101,11 @@ def compare(
     """Simulate a vehicle run with two contact models; figure and table of their differences."""
     load_run(scene)
     from wheelrail.scenes.runs.compare import compare_scene
+    from wheelrail.scenes.schema.toml import read_text
 
     folder = results_folder(out, Path("results", f"{scene.stem}_compare"))
     with error_lines("", f"{folder}: "), stdout_for_results():
-        comparison = compare_scene(scene, scene.read_text(encoding="utf-8"), other, folder, progress_console())
+        comparison = compare_scene(scene, read_text(scene), other, folder, progress_console())
     print_results(*comparison.summary())
 
 

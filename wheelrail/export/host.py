@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +17,7 @@ from wheelrail.api.elements.variables import INPUTS, PARAMETERS
 from wheelrail.api.elements.wheelset_element import TRACK_FRAME, WheelsetElement
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.support.arrays import Array
+from wheelrail.support.text_file import json_value
 
 if TYPE_CHECKING:
     from wheelrail.api.wheelset import Wheelset
@@ -189,7 +189,7 @@ def loaded_wheelset(options: str, folder: Path) -> Wheelset:
     """Wheelset of the options of `Host.open`. Raises ValueError, OSError."""
     import wheelrail as wr
 
-    given = json.loads(options or "{}")
+    given = json_value(options or "{}")
     if not isinstance(given, dict):
         raise ValueError(f"options = {options!r}: must be a JSON object")
     friction = {side: given.pop(f"{side}_friction", None) for side in SIDES}

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,9 @@ from wheelrail.contact.models.table.interpolation import Grid
 from wheelrail.support.arrays import Array
 
 UNITS = {"y": "m", "roll": "rad", "yaw": "rad"}
+NORMAL_AXES = ("y", "roll", "yaw", "level")
+FRICTION_AXES = (*NORMAL_AXES, "longitudinal", "lateral")
+NORMAL_COLUMNS, FRICTION_COLUMNS = 9, 6  # numbers at a node
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +31,8 @@ class NormalTable:
         values: (y * roll * yaw * level * 9,): height m of the tread above the nominal one; point of the resultant from
             the tread, m; lateral force, longitudinal force over the vertical one; moment about that point over it, m.
 
-    The tread is the lowest point of the rolling circle, (0, 0, -radius) in the axes of the wheel without spin.
+    The tread is the lowest point of the rolling circle, (0, 0, -radius) in the axes of the wheel without spin. Raises
+    ValueError for arrays that compiled code cannot look up, see `check_grid`.
     """
 
     y: Array
@@ -36,10 +41,15 @@ class NormalTable:
     level: Array
     values: Array
 
+    def __post_init__(self) -> None:
+        if len(self.level) < 2:
+            raise ValueError(f"level: {len(self.level)} nodes: must be at least 2")
+        check_grid({name: getattr(self, name) for name in NORMAL_AXES}, self.values, NORMAL_COLUMNS)
+
     @cached_property
     def grid(self) -> Grid:
         """The table for compiled code."""
-        return _grid(9, self.values, self.y, self.roll, self.yaw, self.level)
+        return _grid(NORMAL_COLUMNS, self.values, self.y, self.roll, self.yaw, self.level)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +64,8 @@ class FrictionTable:
             tangent and along the normal, and of the moment about the same point in the axes of the track over
             `wheelrail.contact.models.table.force.ARM`, all over friction coefficient times vertical load.
         coefficient: of friction; 0: the values are not read.
+
+    Raises ValueError as `NormalTable`, and for a coefficient that is negative or not finite.
     """
 
     y: Array
@@ -65,10 +77,34 @@ class FrictionTable:
     values: Array
     coefficient: float
 
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.coefficient < np.inf:
+            raise ValueError(f"coefficient of friction = {self.coefficient}: must be a number from 0")
+        check_grid({name: getattr(self, name) for name in FRICTION_AXES}, self.values, FRICTION_COLUMNS)
+
     @cached_property
     def grid(self) -> Grid:
         """The table for compiled code."""
-        return _grid(6, self.values, self.y, self.roll, self.yaw, self.level, self.longitudinal, self.lateral)
+        return _grid(
+            FRICTION_COLUMNS, self.values, self.y, self.roll, self.yaw, self.level, self.longitudinal, self.lateral
+        )
+
+
+def check_grid(axes: Mapping[str, Array], values: Array, columns: int) -> None:
+    """Raise ValueError unless compiled code, which has no bounds of its own, can look values up.
+
+    Parameters:
+        axes: nodes by name; at least one each, finite and increasing.
+        values: finite, as many as nodes times columns.
+        columns: numbers at a node.
+    """
+    for name, nodes in {**axes, "values": values}.items():
+        if nodes.dtype != np.float64 or nodes.ndim != 1 or not nodes.size or not np.isfinite(nodes).all():
+            raise ValueError(f"{name}: {nodes.dtype} of shape {nodes.shape}: must be finite numbers in a row")
+        if name in axes and not (np.diff(nodes) > 0.0).all():
+            raise ValueError(f"{name}: its nodes must increase")
+    if values.size != (size := prod(map(len, axes.values())) * columns):
+        raise ValueError(f"values: {values.size} numbers: must be {size}, {columns} at each node")
 
 
 def _grid(columns: int, values: Array, *axes: Array) -> Grid:
@@ -82,10 +118,16 @@ class TreadFrame:
     Parameters:
         radius: nominal rolling radius, m.
         lateral: nominal position of the tread from the rail's origin, m.
+
+    Raises ValueError for a radius that is not positive, and for numbers that are not finite.
     """
 
     radius: float
     lateral: float
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.radius < np.inf and np.isfinite(self.lateral)):
+            raise ValueError(f"radius = {self.radius}, lateral = {self.lateral}: must be lengths in m")
 
     def pose(self, y: float, z: float, roll: float, yaw: float) -> Pose:
         """Pose of the wheel.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, partial
+from math import isfinite
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from wheelrail.contact.solvers.tangent import ContactTangent
 from wheelrail.support.arrays import Array
 
 UNKNOWN = float("nan")  # of a patch: tables hold forces only
+UNDEFINED = "table: z of the wheel = {:.4g} m, or its velocities: must be finite"
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +35,8 @@ class TableContact:
         force = self.table.force(pose, motion)
         if outside := self.table.outside(force.position):
             return ContactResult.failed(outside)
+        if not (isfinite(force.depth) and all(map(isfinite, force.values))):
+            return ContactResult.failed(UNDEFINED.format(force.position[3]))
         if force.level <= 0.0:
             return ContactResult.separated(force.depth)
         high = self.table.loads[1]

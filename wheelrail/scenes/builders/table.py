@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +10,7 @@ from wheelrail.scenes.builders.laws import friction_law
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
+from wheelrail.support.text_file import json_value, present
 
 if TYPE_CHECKING:
     from wheelrail.contact.kinematics.wheelset_state import Mounting
@@ -65,15 +65,16 @@ def table_contact(
 
     assert scene.table is not None
     file = Path(scene.table)
-    tables, identities = read_tables(file, file.stat().st_mtime_ns)
+    tables, identities = read_tables(file, file.stat().st_mtime_ns if present(file) else 0)
     own = side if side in tables else "left"
     for key, value in pair_identity(scene, side, pair, mounting).items():
-        stored = identities[own][key]
-        if isinstance(value, str) or isinstance(stored, str):
+        stored, unit = identities[own].get(key), UNITS.get(key, "")
+        if isinstance(value, str):
             if value != stored:
                 raise SceneError(f"{file.name}: made for another {key} profile than that of the {side} side")
-        elif abs(value - stored) > SAME * abs(stored):
-            unit = UNITS.get(key, "")
+        elif not isinstance(stored, float | int):
+            raise SceneError(f"{file.name}: made for {key} = {stored!r}: must be a number")
+        elif not abs(value - stored) <= SAME * abs(stored):
             raise SceneError(f"{file.name}: made for {key} = {stored:g}{unit}; the {side} side has {value:g}{unit}")
     return TableContact(tables[own])
 
@@ -91,6 +92,12 @@ def read_tables(file: Path, stamp: int) -> tuple[dict[str, ForceTable], dict[str
     from wheelrail.scenes.datasets.force_table import force_tables
     from wheelrail.scenes.datasets.netcdf import read
 
-    data = read(file)
-    tables = force_tables(data, file.name)
-    return tables, json.loads(data.attrs["pairs"])
+    data = read(file, sealed=True)
+    tables = force_tables(data, file)
+    try:
+        pairs = json_value(str(data.attrs.get("pairs")))
+    except ValueError as error:
+        raise SceneError(f"{file}: pairs: not valid JSON: {error}") from None
+    if not isinstance(pairs, dict) or not all(isinstance(pairs.get(side), dict) for side in tables):
+        raise SceneError(f"{file}: pairs: must have a table for each side")
+    return tables, pairs

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.contacts.side_values import SideValues
-from wheelrail.scenes.datasets.run import AXES, TURNS
+from wheelrail.scenes.datasets.run_schema import AXES, TURNS
 
 if TYPE_CHECKING:
     from xarray import Dataset

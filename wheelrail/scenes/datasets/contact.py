@@ -10,7 +10,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import MIRROR
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.scenes.datasets.patches import means, patch_variables
-from wheelrail.scenes.datasets.run import AXES, TURNS
+from wheelrail.scenes.datasets.run_schema import AXES, TURNS
 from wheelrail.support.arrays import Array, Mask
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,30 +87,56 @@ def _error_variables(side: str, errors: TableErrors) -> dict[str, Variable]:
     }
 
 
-def force_tables(data: Dataset, name: str) -> dict[str, ForceTable]:
+def force_tables(data: Dataset, file: Path) -> dict[str, ForceTable]:
     """Tables by side of a Dataset.
 
     Parameters:
         data: from a file.
-        name: of the file, for errors.
+        file: for errors.
 
-    Raises SceneError for a Dataset of anything else.
+    Raises SceneError for a Dataset of anything else, naming what is missing or does not fit.
     """
     from wheelrail.contact.models.table.force_table import ForceTable, FrictionTable, NormalTable, TreadFrame
 
     if data.attrs.get("kind") != KIND:
-        raise SceneError(f"{name}: not a table of contact forces; wheelrail table makes one")
-
+        raise SceneError(f"{file}: not a table of contact forces; wheelrail table makes one")
+    sides = str(data.attrs.get("sides")).split()
+    if sides not in (["left"], ["left", "right"]):
+        raise SceneError(f"{file}: sides = {data.attrs.get('sides')!r}: must be left, or left right")
     tables = {}
-    for side in str(data.attrs["sides"]).split():
-        normal, friction = (_stage(data, f"{side}_{stage}", stage) for stage in STAGES)
-        frame = TreadFrame(float(data.attrs[f"{side}_radius"]), float(data.attrs[f"{side}_lateral"]))
-        coefficient = float(data.attrs[f"{side}_friction"])
-        tables[side] = ForceTable(frame, NormalTable(**normal), FrictionTable(**friction, coefficient=coefficient))
+    for side in sides:
+        radius, lateral, coefficient = (
+            _number(data, f"{side}_{key}", file) for key in ("radius", "lateral", "friction")
+        )
+        normal, friction = (_stage(data, f"{side}_{stage}", stage, file) for stage in STAGES)
+        try:
+            tables[side] = ForceTable(
+                TreadFrame(radius, lateral), NormalTable(**normal), FrictionTable(**friction, coefficient=coefficient)
+            )
+        except ValueError as error:
+            raise SceneError(f"{file}: {side} side: {error}") from None
     return tables
 
 
-def _stage(data: Dataset, name: str, stage: str) -> dict[str, Any]:
+def _number(data: Dataset, name: str, file: Path) -> float:
+    """Attribute that is a number."""
+    value = data.attrs.get(name)
+    if not isinstance(value, int | float | np.integer | np.floating):
+        raise SceneError(f"{file}: {name} = {value!r}: must be a number")
+    return float(value)
+
+
+def _stage(data: Dataset, name: str, stage: str, file: Path) -> dict[str, Any]:
     """Nodes by axis, and values, of one stage."""
-    arrays = {axis: data[f"{name}_{axis}"].values for axis in STAGES[stage]} | {"values": data[f"{name}_values"].values}
-    return {key: np.ascontiguousarray(array).ravel() for key, array in arrays.items()}
+    dims = [f"{name}_{axis}" for axis in STAGES[stage]]
+    expected = {**{dim: (dim,) for dim in dims}, f"{name}_values": (*dims, f"{stage}_value")}
+    for variable, own in expected.items():
+        if variable not in data.variables:
+            raise SceneError(f"{file}: {variable}: missing")
+        if data[variable].dims != own:
+            raise SceneError(
+                f"{file}: {variable}: over {', '.join(map(str, data[variable].dims))}: must be over {', '.join(own)}"
+            )
+    return {
+        variable.removeprefix(f"{name}_"): np.ascontiguousarray(data[variable].values).ravel() for variable in expected
+    }

@@ -9,9 +9,16 @@ from typing import TYPE_CHECKING
 
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.atomic_file import atomic_file
+from wheelrail.support.memory import TooLarge, check_memory
+from wheelrail.support.sealed_file import Damaged, is_sealed, seal
+from wheelrail.support.text_file import FileRefused, check_regular, present
 
 if TYPE_CHECKING:
     from xarray import Dataset
+
+MOST = 100_000.0  # MB
+LONGEST = 10_000  # characters of an attribute in the header of a file
+INITIAL = 65_536  # bytes of a file in memory
 
 
 def machine() -> str:
@@ -19,24 +26,57 @@ def machine() -> str:
     return f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
 
 
-def read(file: Path) -> Dataset:
-    """Load a file into memory, without decoding of times. Raises SceneError if it is missing or damaged."""
-    from xarray import load_dataset
+def read(file: Path, *, sealed: bool = False) -> Dataset:
+    """Load a file into memory, without decoding of times.
 
-    if not file.is_file():
+    Parameters:
+        file: of `write`, or rewritten by another program.
+        sealed: refuse what another program, or an earlier version, has written.
+
+    Raises SceneError if the file is missing, damaged or no regular file, TooLarge.
+    """
+    from xarray import open_dataset
+
+    if not present(file):
         raise SceneError(f"{file}: file does not exist")
     try:
-        return load_dataset(file, engine="netcdf4", decode_times=False)
-    except (OSError, ValueError, RuntimeError, KeyError, AttributeError) as error:  # of damaged files
-        raise SceneError(f"{file}: not a readable NetCDF file, it may be damaged: {error}") from None
+        check_regular(file, MOST, "a NetCDF file")
+        if not is_sealed(file) and sealed:
+            raise SceneError(f"{file}: does not end with a hash of its content: changed, or of an earlier version")
+        with open_dataset(file, engine="netcdf4", decode_times=False) as stored:
+            check_memory(str(file), 1e-9 * stored.nbytes)
+            return stored.load()
+    except (SceneError, TooLarge):
+        raise
+    except (FileRefused, Damaged) as error:
+        raise SceneError(str(error)) from None
+    except Exception as error:  # of a damaged file the libraries may raise almost any
+        text = " ".join(f"{error}".split()) or type(error).__name__
+        raise SceneError(f"{file}: not a readable NetCDF file, it may be damaged: {text}") from None
 
 
 def write(data: Dataset, file: Path) -> None:
-    """Write a NetCDF file atomically; raises OSError if it cannot be written."""
+    """Write a NetCDF file atomically, with a hash of its content at the end; raises OSError if it cannot be written."""
+    content = _content(data)
+    with atomic_file(file) as part:
+        part.write_bytes(content)
+        seal(part)
+
+
+def _content(data: Dataset) -> bytes | memoryview:
+    """Bytes of a NetCDF file, made in memory: where a disk becomes full HDF5 ends the process by a crash."""
+    from netCDF4 import Dataset as File
+    from xarray.backends import NetCDF4DataStore
+
     arrays = (name for name, values in data.data_vars.items() if values.ndim > 0 and values.dtype.kind not in "OU")
     packed = {name: {"zlib": True, "complevel": 1} for name in arrays}  # strings cannot be compressed
-    with atomic_file(file) as part:
-        try:
-            data.to_netcdf(part, engine="netcdf4", encoding=packed)
-        except RuntimeError as error:  # of the library for a full disk
-            raise OSError(f"{file.name} cannot be written: {error}") from error
+    texts = {str(name): text for name, text in data.attrs.items() if isinstance(text, str) and len(text) > LONGEST}
+    file = File("results", "w", format="NETCDF4", memory=INITIAL)
+    store = NetCDF4DataStore(file)  # type: ignore[no-untyped-call]
+    data.drop_attrs(deep=False).assign_attrs(
+        {name: value for name, value in data.attrs.items() if name not in texts}
+    ).dump_to_store(store, encoding=packed)
+    for name, text in texts.items():
+        file.setncattr_string(name, text)  # outside the header, which has 64 kB
+    content: memoryview = file.close()
+    return content

@@ -9,8 +9,10 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.loading.flexible_wheelset import MIRRORED_HUB, MIRRORED_RAIL
+from wheelrail.scenes.datasets.declared import filled
 from wheelrail.scenes.datasets.netcdf import machine
-from wheelrail.scenes.datasets.patches import means, patch_variables
+from wheelrail.scenes.datasets.patches import patch_variables
+from wheelrail.scenes.datasets.run_schema import AXES, EDGES, TURNS, WAGON
 from wheelrail.support.arrays import Array
 from wheelrail.support.version import commit, versions
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, WagonOutputs, outward
@@ -20,15 +22,6 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.vehicle.simulation.history import History, RunCost
-
-AXES = ("longitudinal", "lateral", "vertical")
-TURNS = ("roll", "spin", "yaw")
-IRREGULARITIES = {
-    "alignment": "lateral irregularity of the track, positive to the left",
-    "level": "vertical irregularity of the track, positive upwards",
-    "cross_level": "irregularity of the height of the right rail above the left",
-    "gauge": "irregularity of the gauge, positive for widening",
-}
 
 
 def dataset(history: History, *, scene: str = "") -> Dataset:
@@ -40,53 +33,40 @@ def dataset(history: History, *, scene: str = "") -> Dataset:
     """
     from xarray import Dataset
 
-    every: dict[str, Any] = {
+    values = {
         **_motion(history),
-        **wheel_variables(history.force[:, 0], history.moment[:, 0], history.approach[:, 0]),
-        **patch_variables(
-            [patches for row in history.rows for patches in row.patches[0]],
-            ("time", "side"),
-            (len(history), len(SIDES)),
-        ),
-        "in_contact": (
-            ("time", "side"),
-            np.array([row.contact_status[0] for row in history.rows]) == "converged",
-            means("1", "whether wheel and rail are in contact"),
-        ),
-        **cost_variables(history.cost),
+        **wheel_values(history.force[:, 0], history.moment[:, 0], history.approach[:, 0]),
+        "in_contact": np.array([row.contact_status[0] for row in history.rows]) == "converged",
+        **cost_values(history.cost),
+        **run_coordinates(history),
     }
+    patches = patch_variables(
+        [patches for row in history.rows for patches in row.patches[0]], ("time", "side"), (len(history), len(SIDES))
+    )
     attributes = {
         "title": "Vehicle run on finite-element wheel-rail contact",
         "frame": "moving track frame: x forward, y to the left, z upwards; forces act on the wheels",
         "nominal_radius": history.dynamics.vehicle.radius,
     }
-    return Dataset(every, coords=run_coordinates(history), attrs=attributes | run_attributes(history, scene))
+    data = Dataset(filled(WAGON, values) | patches, attrs=attributes | run_attributes(history, scene))
+    return data.set_coords("distance")
 
 
-def cost_variables(cost: RunCost) -> dict[str, Any]:
-    """Call statistics of the contact over side."""
+def cost_values(cost: RunCost) -> dict[str, Any]:
+    """Call statistics of the contact by side."""
     costs = [cost.contact[side] for side in SIDES]
     return {
-        "contact_solves": ("side", [cost.solves for cost in costs], means("1", "contact problems solved")),
-        "failed_solves": (
-            "side",
-            [cost.failed for cost in costs],
-            means("1", "contact problems that failed and were repeated"),
-        ),
-        "newton_iterations": ("side", [cost.newton for cost in costs], means("1", "total Newton iterations")),
-        "linear_iterations": ("side", [cost.linear for cost in costs], means("1", "total linear iterations")),
-        "contact_seconds": ("side", [cost.seconds for cost in costs], means("s", "time for all contact solves")),
+        "contact_solves": [cost.solves for cost in costs],
+        "failed_solves": [cost.failed for cost in costs],
+        "newton_iterations": [cost.newton for cost in costs],
+        "linear_iterations": [cost.linear for cost in costs],
+        "contact_seconds": [cost.seconds for cost in costs],
     }
 
 
 def run_coordinates(history: History) -> dict[str, Any]:
     """Coordinates of every run: time, distance, side, edge of a patch."""
-    return {
-        "time": ("time", history.time, {"units": "s", "long_name": "time"}),
-        "distance": ("time", history.distance, means("m", "distance along the track")),
-        "side": ("side", list(SIDES)),
-        "edge": ("edge", ["low", "high"]),
-    }
+    return {"time": history.time, "distance": history.distance, "side": list(SIDES), "edge": list(EDGES)}
 
 
 def run_attributes(history: History, scene: str) -> dict[str, Any]:
@@ -108,68 +88,33 @@ def run_attributes(history: History, scene: str) -> dict[str, Any]:
     }
 
 
-def irregularity_variables(values: Array | None) -> dict[str, Any]:
-    """Irregularities of the track over time; values: (n, 4) m, none on smooth rails."""
-    if values is None:
-        return {}
-    return {
-        f"irregularity_{name}": ("time", values[:, index], means("m", IRREGULARITIES[name]))
-        for index, name in enumerate(QUANTITIES)
-    }
-
-
 def _motion(history: History) -> dict[str, Any]:
     """Coordinates of the bodies and their rates, and the track."""
-    variables: dict[str, Any] = {}
     state, (pitch,) = history.state.copy(), history.dynamics.coordinates.rolling_angles
     state[:, pitch] += history.distance / history.dynamics.vehicle.radius
     state[:, pitch + COUNT] += history.speeds / history.dynamics.vehicle.radius
+    values: dict[str, Any] = {}
     for index, name in enumerate(COORDINATES):
-        turns = name.endswith(("roll", "pitch"))
-        text = name.replace("_", " ") + (", above the nominal height" if name.endswith("z") else "")
-        variables[name] = ("time", state[:, index], means("rad" if turns else "m", text))
-        rate = state[:, COUNT + index]
-        variables[f"{name}_rate"] = ("time", rate, means("rad/s" if turns else "m/s", f"rate of {text}"))
+        values[name], values[f"{name}_rate"] = state[:, index], state[:, COUNT + index]
     if history.series.size:
-        text = "outward deflection of the series springs of the Maxwell elements, left side, then right side"
-        series = outward(history.dynamics, history.series)
-        variables["series_deflection"] = (("time", "series"), series, means("m", text))
-    variables |= _structure_motion(history)
-    variables |= track_variables(history)
+        values["series_deflection"] = outward(history.dynamics, history.series)
     wrenches = np.concatenate([history.force, history.moment], axis=3).sum(axis=2)[:, 0]
     outputs = WagonOutputs.of(history.dynamics, history.time, history.state, wrenches)
-    texts = {
-        "yaw_reaction": ("N m", "reaction moment of the constrained yaw of the wheelset"),
-        "secondary_deflection": (
-            "m",
-            "displacement of the car body against the bogie at the secondary springs, positive to the left",
-        ),
-        "bumpstop_deflection": ("m", "deflection of the lateral bumpstop, positive to the left"),
-        "bumpstop_force": ("N", "force of the bumpstop on the car body, positive to the left"),
-    }
-    for name, values in outputs._asdict().items():
-        variables[name] = ("time", values, means(*texts[name]))
-    return variables
+    return values | _structure_motion(history) | track_values(history) | outputs._asdict()
 
 
-def track_variables(history: History) -> dict[str, Any]:
+def track_values(history: History) -> dict[str, Any]:
     """Speed and track at the distance of the reference motion."""
     track, distances = history.dynamics.track, history.distance.tolist()
-    irregularities = track.irregularities
-    return {
-        "speed": ("time", history.speeds, means("m/s", "speed along the track")),
-        **irregularity_variables(None if irregularities is None else irregularities.at(history.distance)),
-        "curvature": (
-            "time",
-            np.array([track.curvature(s)[0] for s in distances]),
-            means("1/m", "curvature of the track, positive to the left"),
-        ),
-        "lift": (
-            "time",
-            np.array([track.superelevation(s)[0] for s in distances]),
-            means("m", "height of the right rail above the left"),
-        ),
+    values: dict[str, Any] = {
+        "speed": history.speeds,
+        "curvature": np.array([track.curvature(s)[0] for s in distances]),
+        "lift": np.array([track.superelevation(s)[0] for s in distances]),
     }
+    if track.irregularities is not None:
+        columns = track.irregularities.at(history.distance).T
+        values |= {f"irregularity_{name}": column for name, column in zip(QUANTITIES, columns, strict=True)}
+    return values
 
 
 def _structure_motion(history: History) -> dict[str, Any]:
@@ -178,38 +123,23 @@ def _structure_motion(history: History) -> dict[str, Any]:
     if structure is None:
         return {}
     elastic, motion = structure.pairs.flexibility, history.motions[:, 0]
-    hubs = motion[:, :12].reshape(-1, 2, 6) * [np.ones(6), MIRRORED_HUB]
-    rails = motion[:, 12:18].reshape(-1, 2, 3) * [np.ones(3), MIRRORED_RAIL]
-    units = {"hub": "m and rad, x, y, z, then about x, y, z", "rail": "m and rad, y, z, then roll about the foot"}
-    variables: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     if elastic.hubs is not None:
-        text = "motion of the hub relative to the line through the journals"
-        variables["hub_motion"] = (("time", "side", "hub_component"), hubs, means(units["hub"], text))
+        values["hub_motion"] = motion[:, :12].reshape(-1, 2, 6) * [np.ones(6), MIRRORED_HUB]
     if elastic.rails is not None:
-        text = "motion of the rail on its pads"
-        variables["rail_motion"] = (("time", "side", "rail_component"), rails, means(units["rail"], text))
+        values["rail_motion"] = motion[:, 12:18].reshape(-1, 2, 3) * [np.ones(3), MIRRORED_RAIL]
     if structure.velocities:
-        sleepers = motion[:, 18:22].reshape(-1, 2, 2) * [[1.0, 1.0], [-1.0, 1.0]]
-        text = "motion of the sleepers under the wheel, across and normal to the foot of the rail"
-        variables["sleeper_motion"] = (("time", "side", "sleeper_component"), sleepers, means("m", text))
-    return variables
+        values["sleeper_motion"] = motion[:, 18:22].reshape(-1, 2, 2) * [[1.0, 1.0], [-1.0, 1.0]]
+    return values
 
 
-def wheel_variables(
-    force: Array, moment: Array, approach: Array, dimensions: tuple[str, ...] = ("time", "side")
-) -> dict[str, Any]:
+def wheel_values(force: Array, moment: Array, approach: Array) -> dict[str, Any]:
     """Contact forces on the wheels and moments about the centres of the wheelsets, in the track frame.
 
     Parameters:
         force, moment: (..., 3) N and N m.
         approach: (...) m.
-        dimensions: names of the dimensions (...).
     """
-    variables: dict[str, Any] = {}
-    for index, (axis, turn) in enumerate(zip(AXES, TURNS, strict=True)):
-        variables[f"{axis}_force"] = (dimensions, force[..., index], means("N", f"{axis} contact force on the wheel"))
-        text = f"{turn} moment of the contact force about the centre of the wheelset"
-        variables[f"{turn}_moment"] = (dimensions, moment[..., index], means("N m", text))
-    text = "largest penetration of the undeformed bodies; negative is a gap"
-    variables["approach"] = (dimensions, approach, means("m", text))
-    return variables
+    values = {f"{axis}_force": force[..., index] for index, axis in enumerate(AXES)}
+    values |= {f"{turn}_moment": moment[..., index] for index, turn in enumerate(TURNS)}
+    return values | {"approach": approach}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.atomic_file import atomic_file
+from wheelrail.support.text_file import FileRefused, json_value, read_text
 
 if TYPE_CHECKING:
     from wheelrail.scenes.html_report.elements import Page
@@ -18,6 +18,7 @@ ALLOWED = (
     f"comparison ({COMPARISON}, by wheelrail compare)"
 )
 PAGE = "report.html"
+MOST = 10.0  # MB, of the table of a comparison
 
 
 def write_report(folder: str | Path, file: str | Path | None = None, *, view: bool = True) -> Path:
@@ -43,9 +44,9 @@ def page(folder: Path, *, view: bool = True) -> Page:
     if not folder.is_dir():
         raise SceneError(f"{folder}: {'is a file' if folder.exists() else 'folder does not exist'}; {ALLOWED}")
     if (folder / RUN).exists():
+        from wheelrail.scenes.datasets.run_schema import is_of_vehicle, read_run
         from wheelrail.scenes.html_report.run_page import run_page
         from wheelrail.scenes.html_report.vehicle_page import vehicle_page
-        from wheelrail.scenes.views.view import is_of_vehicle, read_run
 
         data = read_run(folder / RUN)
         page_of = vehicle_page if is_of_vehicle(data) else run_page
@@ -59,8 +60,8 @@ def page(folder: Path, *, view: bool = True) -> Page:
             raise SceneError(f"{folder / STUDY}: contains no results of a study; {ALLOWED}")
         return study_page(data, folder / STUDY, view=view)
     if (folder / COMPARISON).exists():
+        from wheelrail.scenes.datasets.run_schema import read_run
         from wheelrail.scenes.html_report.comparison_page import comparison_page
-        from wheelrail.scenes.views.view import read_run
 
         names = _models(folder / COMPARISON)
         runs = read_run(folder / names[0] / RUN), read_run(folder / names[1] / RUN)
@@ -84,8 +85,16 @@ def rendered(page: Page) -> str:
 
 def _models(file: Path) -> tuple[str, str]:
     """Names of the compared models and of their subfolders."""
+    from wheelrail.scenes.schema.scene import MODELS
+
     try:
-        comparison = json.loads(file.read_text(encoding="utf-8"))
-        return str(comparison["first"]), str(comparison["second"])
-    except (OSError, ValueError, KeyError, TypeError):
+        comparison = json_value(read_text(file, MOST))
+        first, second = (str(comparison[key]) for key in ("first", "second"))
+    except FileRefused as error:
+        raise SceneError(str(error)) from None
+    except (ValueError, LookupError, TypeError):
         raise SceneError(f"{file}: is no valid table of a comparison; {ALLOWED}") from None
+    for name in (first, second):
+        if name not in MODELS:
+            raise SceneError(f"{file}: {name!r}: must be a contact model, {', '.join(MODELS)}")
+    return first, second

@@ -113,7 +113,7 @@ def _scene(text: str, name: str | Path) -> RunScene:
 
 def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
     """Results of a scene, stored in the folder or simulated; an interrupted run is resumed."""
-    from xarray import load_dataset
+    from wheelrail.scenes.datasets.netcdf import read
 
     def log(message: str) -> None:
         console.print(f"{scene.model}: {message}", highlight=False, markup=False)
@@ -122,7 +122,7 @@ def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
     try:
         if ended(scene, folder):
             log(f"{results} already contains this run")
-            return load_dataset(results, decode_times=False)
+            return read(results)
         log("running")
         outcome = run_scene(scene, text, folder, console, resume=(folder / CHECKPOINTS).exists())
     except SceneError as error:  # the folder contains results of another scene
@@ -133,4 +133,4 @@ def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
     if not outcome.files:
         raise RunFailed(f"{scene.model}: {outcome.status}")
     log(outcome.status)
-    return load_dataset(results, decode_times=False)
+    return read(results)

@@ -13,7 +13,7 @@ from wheelrail.scenes.runs.used_keys import used_keys
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.cache import source_digest
-from wheelrail.support.text_file import present
+from wheelrail.support.text_file import json_value, present, read_bytes
 
 if TYPE_CHECKING:
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("support", "meshes", "forms", "contact", "vehicle", "scenes")
+MOST, FILE = 10_000.0, "a file"  # MB, of the files of a scene
 FREE = ("output.figures", "solver.workers")  # keys that may differ: they do not change the results
 
 
@@ -41,7 +42,7 @@ def inputs(scene: RunScene, vehicle: Path | None = None) -> dict[str, Any]:
 
     def plain(value: Any) -> Any:
         if isinstance(value, str) and present(Path(value)) and Path(value).is_file():
-            return f"a file of SHA-256 {hashlib.sha256(Path(value).read_bytes()).hexdigest()[:12]}"
+            return f"a file of SHA-256 {hashlib.sha256(read_bytes(value, MOST, FILE)).hexdigest()[:12]}"
         if isinstance(value, dict):
             return {key: plain(item) for key, item in value.items()}
         return value
@@ -76,17 +77,17 @@ def ended(scene: RunScene, folder: Path, vehicle: Path | None = None) -> bool:
         folder: of the results.
         vehicle: its file, if any.
     """
-    from xarray import open_dataset
+    from wheelrail.scenes.datasets.netcdf import read
 
     file = folder / RESULTS
     if (folder / CHECKPOINTS).exists() or not file.exists():
         return False
     try:
-        with open_dataset(file, engine="netcdf4") as data:
-            status, stored_inputs = str(data.attrs.get("status")), json.loads(data.attrs.get("inputs", "{}"))
-    except (OSError, ValueError, RuntimeError):  # damaged results are recomputed
+        attributes = read(file).attrs
+        stored_inputs = json_value(str(attributes.get("inputs", "{}")))
+    except ValueError:  # damaged results are recomputed
         return False
-    if status != "completed":
+    if attributes.get("status") != "completed" or not isinstance(stored_inputs, dict):
         return False
     require_same(stored_inputs, inputs(scene, vehicle), file)
     return True

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.datasets.number_text import fixed
+from wheelrail.scenes.datasets.run_schema import is_of_vehicle, read_run
 from wheelrail.scenes.runs.files import RESULTS
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.evaluation.running_safety import WINDOW, Assessed, WheelsetSafety, wheelset_safety
@@ -39,12 +39,12 @@ def safety_of(results: Path, start: float, end: float, alpha: float) -> Safety:
     wagon, for a section of less than 2 m, and for one of which more than 2 m have no forces.
     """
     file = results / RESULTS if results.is_dir() else results
-    return safety_of_data(read(file), file, start, end, alpha)
+    return safety_of_data(read_run(file), file, start, end, alpha)
 
 
 def safety_of_data(data: Dataset, file: Path, start: float = 0.0, end: float = inf, alpha: float = 1.0) -> Safety:
     """The same of a Dataset; file: its place, for errors."""
-    if "guiding_force" not in data or "wheelset" not in data.dims:
+    if not is_of_vehicle(data):
         raise SceneError(f"{file}: must contain a run of a vehicle file, by wheelrail run --vehicle")
     section = data.isel(time=(data["distance"].values >= start) & (data["distance"].values <= end))
     if section.sizes["time"] < 2 or not np.ptp(section["distance"].values) > 2.0:

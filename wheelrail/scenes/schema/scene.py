@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Mapping
 from math import isinf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
 from pydantic import (
     Strict,
@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from wheelrail.contact.models.discretisation import Discretisation
     from wheelrail.meshes.profiles.profile import Profile
 
+Model = Literal["condensed", "full", "standard", "table"]
+MODELS: tuple[str, ...] = get_args(Model)
 MOST_SAMPLES = 1_000_000  # kilobytes of memory each
 ELEMENTS = ("cell", "bodies", "degree", "points", "strips", "cells", "slip_order")  # keys of elastic bodies
 
@@ -74,7 +76,7 @@ class Contact(SceneTable):
         linear penalty.
     """
 
-    model: Literal["condensed", "full", "standard", "table"] = "condensed"
+    model: Model = "condensed"
     laws: Literal["paper", "exact"] = "exact"
     friction: FrictionKey
     falling: FallingTable | None = None

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.support.text_file import FileRefused
+from wheelrail.support.text_file import DEEPEST, FileRefused, entries
 from wheelrail.support.text_file import read_text as text_of
 
 MOST = 1.0  # MB
-DEEPEST = 32  # tables and arrays inside each other
 LONGEST_INTEGER = 10_000  # bits; Python refuses to print more than 4300 digits
 COMMA = re.compile(r"[^#\"'\[]*=[ \t]*([+-]?\d+,\d+(?:[eE][+-]?\d+)?)[ \t]*(?:#.*)?$", re.ASCII)  # a decimal comma
 WORD = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')"""
@@ -43,7 +41,7 @@ def parse(text: str, path: str | Path) -> dict[str, Any]:
         raise SceneError(_decimal_comma(text, path) or f"{path}: not valid TOML: {error}") from None
     except RecursionError:
         raise SceneError(f"{path}: not valid TOML: brackets nested hundreds of levels deep") from None
-    for name, value, depth in _entries(data):
+    for name, value, depth in entries(data):
         if depth > DEEPEST:
             raise SceneError(f"{path}: {name}: brackets nested more than {DEEPEST} levels deep")
         if isinstance(value, int) and value.bit_length() > LONGEST_INTEGER:
@@ -57,14 +55,3 @@ def _decimal_comma(text: str, path: str | Path) -> str:
         if comma := COMMA.match(line):
             return f"{path}, line {number}: {comma[1]}: must have a decimal point: {comma[1].replace(',', '.')}"
     return ""
-
-
-def _entries(data: dict[str, Any]) -> Iterator[tuple[str, Any, int]]:
-    """All values with the key of the outermost table and their depth."""
-    waiting = [(name, value, 1) for name, value in data.items()]
-    while waiting:
-        name, value, depth = waiting.pop()
-        yield name, value, depth
-        if isinstance(value, dict | list) and depth <= DEEPEST:
-            inner = value.values() if isinstance(value, dict) else value
-            waiting += [(name, item, depth + 1) for item in inner]

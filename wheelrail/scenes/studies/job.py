@@ -14,6 +14,9 @@ from typing import Any
 
 from wheelrail.scenes.schema.scene import Scene, checked
 from wheelrail.scenes.studies.plan import StudyCase
+from wheelrail.support.text_file import read_bytes
+
+MOST = 1000.0  # MB, of a file of the scene
 
 
 @dataclass(frozen=True)
@@ -102,5 +105,5 @@ def _packed(value: Any, checked: Any, files: dict[str, bytes]) -> Any:
 @lru_cache(maxsize=64)
 def _file(path: str, stamp: tuple[int, ...]) -> tuple[str, bytes]:
     """Name with the hash of the content, and content of a file; cached by its stamp."""
-    content = Path(path).read_bytes()
+    content = read_bytes(path, MOST, "a file")
     return f"{hashlib.sha256(content).hexdigest()[:16]}/{Path(path).name}", content

@@ -14,8 +14,8 @@ from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.tables import SceneTable
-from wheelrail.scenes.schema.toml import DEEPEST, parse, read_text
-from wheelrail.support.text_file import present
+from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.support.text_file import DEEPEST, present
 
 Values = Annotated[tuple[Any, ...], Strict(False), Field(min_length=1)]
 Count = Annotated[int, Strict(), q.Range(1, 100_000, whole=True)]

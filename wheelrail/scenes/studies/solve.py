@@ -124,8 +124,8 @@ def warm_seconds(scene: HertzScene | WheelsetScene, model: Any) -> dict[str, flo
 
 def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
     from rich.console import Console
-    from xarray import load_dataset
 
+    from wheelrail.scenes.datasets.netcdf import read
     from wheelrail.scenes.runs.files import RESULTS
     from wheelrail.scenes.runs.run import run_scene
     from wheelrail.scenes.studies.quantities import histories_of, of_run
@@ -139,7 +139,7 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
         outcome = run_scene(scene, "", folder, Console(file=nowhere), resume=resume, checkpoints=file)
     if not outcome.files:
         return _ended(f"failed: {outcome.status.removeprefix('failed: ')} before the first step")
-    data = load_dataset(folder / RESULTS, engine="netcdf4")
+    data = read(folder / RESULTS)
     sides, case_quantities = of_run(data)
     with contextlib.suppress(OSError):  # without its data the run is only missing in the report
         shutil.move(folder / RESULTS, run_data(case_folder, job.key))

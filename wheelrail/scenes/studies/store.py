@@ -8,7 +8,6 @@ truncated files; here damage costs one case. A case takes 19 ms with a rollback 
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,6 +16,9 @@ from pathlib import Path
 from wheelrail.scenes.studies.job import run_data, unfinished
 from wheelrail.scenes.studies.solve import CaseResult
 from wheelrail.support.atomic_file import atomic_file
+from wheelrail.support.text_file import json_value, read_text
+
+MOST = 1000.0  # MB
 
 
 @dataclass(frozen=True)
@@ -28,11 +30,11 @@ class Store:
     def load(self, key: str) -> CaseResult | None:
         """The result of a case; None if it is missing, damaged or of another version, so that it is computed again."""
         try:
-            checksum, text = self._file(key).read_text(encoding="utf-8").split("\n", 1)
+            checksum, text = read_text(self._file(key), MOST).split("\n", 1)
             if checksum != _checksum(key, text):
                 return None
-            return CaseResult(**json.loads(text))
-        except (OSError, ValueError, TypeError):
+            return CaseResult(**json_value(text))
+        except (ValueError, TypeError):
             return None
 
     def save(self, key: str, result: CaseResult) -> None:

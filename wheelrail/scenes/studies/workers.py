@@ -170,5 +170,6 @@ def check_address(address: str) -> None:
         raise SceneError(f"--scheduler {address}: must be an address like tcp://host:8786")
     try:
         socket.getaddrinfo(host.strip("[]"), int(port))
-    except OSError as error:
-        raise SceneError(f"--scheduler {address}: {host} is not a known host ({error.strerror})") from None
+    except (OSError, UnicodeError) as error:  # a label between dots may have 1 to 63 characters
+        reason = getattr(error, "strerror", None) or error
+        raise SceneError(f"--scheduler {address}: {host} is not a known host ({reason})") from None

@@ -21,10 +21,12 @@ from wheelrail.scenes.runs.resume import sources
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import SIDES, Side
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
+from wheelrail.scenes.schema.toml import read_text
 from wheelrail.scenes.studies.workers import processes
 from wheelrail.scenes.tables.store import TaskStore, task_key
 from wheelrail.scenes.tables.work import sampler, task_rows
 from wheelrail.support.progress import ProgressTimer
+from wheelrail.support.text_file import read_bytes
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -35,6 +37,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.tables.tasks import Task
     from wheelrail.support.arrays import Array
 
+MOST = 1000.0  # MB, of a file of the scene
 log = logging.getLogger(__name__)
 
 
@@ -146,7 +149,7 @@ def make_table(order: TableOrder, out: Path) -> Dataset:
     attributes = {
         "title": "Table of wheel-rail contact forces",
         "pairs": json.dumps(pairs),
-        "scene": order.file.read_text(encoding="utf-8"),
+        "scene": read_text(order.file),
         **{key: json.dumps(value) for key, value in _content(order).items()},
         "tolerance": order.tolerance,
         "reached": int(all(own.rms <= order.tolerance for own in errors.values())),
@@ -173,7 +176,9 @@ def _content(order: TableOrder) -> dict[str, Any]:
         mode="json", exclude={"vehicle", "solver", "output", "kick", "torque", "force", "stress", "sides"}
     )
     names = {str(value) for table in _tables(scene["profiles"]) for value in table.values()}
-    files = {name: Path(name).read_text(errors="replace") for name in names if Path(name).is_absolute()}
+    files = {
+        name: read_bytes(name, MOST, "a file").decode(errors="replace") for name in names if Path(name).is_absolute()
+    }
     return {"model": scene, "files": files, "ranges": asdict(order.ranges)}
 
 

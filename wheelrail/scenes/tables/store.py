@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.tables.work import Rows
+from wheelrail.support.text_file import read_bytes
 
 if TYPE_CHECKING:
     from wheelrail.contact.tables.tasks import Task
+
+MOST = 10_000.0  # MB
 
 
 @dataclass
@@ -29,10 +32,9 @@ class TaskStore:
     _rows: dict[str, Rows] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Raises OSError."""
-        first, *lines = (self.file.read_text(encoding="utf-8", errors="replace") if self.file.exists() else "").split(
-            "\n"
-        )
+        """Raises FileRefused, OSError."""
+        content = read_bytes(self.file, MOST, "a file of solves") if self.file.exists() else b""
+        first, *lines = content.decode("utf-8", "replace").split("\n")
         if first != self.header:
             self.file.write_text(f"{self.header}\n", encoding="utf-8")
             return

@@ -12,8 +12,8 @@ from wheelrail.scenes.builders.vehicle_file import parse_vehicle
 from wheelrail.scenes.builders.wheelset import inclined_profiles, mounted
 from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.input_files import unpacked
-from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.datasets.number_text import significant
+from wheelrail.scenes.datasets.run_schema import is_of_vehicle, read_run
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, checked
@@ -186,8 +186,6 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
     Raises OSError for a file that cannot be written, SceneError for one without results of a run.
     """
     results = file / "run.nc" if file.is_dir() else file
-    if not results.is_file():
-        raise SceneError(f"{results}: file does not exist; must be run.nc of wheelrail run, or its folder")
     data = read_run(results)
     animate_data(data, results, out, progress, **options)
 
@@ -228,20 +226,6 @@ def animate_data(
 def vehicle_of_run(data: Dataset, file: Path) -> Vehicle:
     """Vehicle in three dimensions of a run, from its text in the results; parameters and errors as `bodies_of_run`."""
     return parse_vehicle(str(data.attrs["vehicle"]), file)
-
-
-def read_run(file: Path) -> Dataset:
-    """Dataset of a run; raises SceneError for a file without results of a run."""
-    data = read(file)
-    moving = "wheelset_y" in data or is_of_vehicle(data)
-    if not isinstance(data.attrs.get("scene"), str) or not data.sizes.get("time") or not moving:
-        raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
-    return data
-
-
-def is_of_vehicle(data: Dataset) -> bool:
-    """Whether the results are those of a vehicle in three dimensions, with a dimension of wheelsets."""
-    return "wheelset" in data.dims
 
 
 def bodies_of_run(data: Dataset, file: Path) -> RunBodies:
