@@ -287,7 +287,7 @@ MALFORMED = [
     (CURVE, "speed = 45.0", 'speed = 45.0\nroll_bar = "x"', ('vehicle.roll_bar = "x"', "a number")),
     (CURVE, 'method = "ode23"', 'method = "ode15s"', ('solver.method = "ode15s"', '"ode23" or "ode45"')),
     (CURVE, "speed = 45.0", "speed = [[0.0, 45.0], [5.0, 450.0]]", ("vehicle.speed[1][1] = 450.0", "162 km/h")),
-    (CURVE, "speed = 45.0", "speed = [[5.0, 45.0], [5.0, 40.0]]", ("vehicle.speed = ", "times must increase strictly")),
+    (CURVE, "speed = 45.0", "speed = [[5.0, 45.0], [5.0, 40.0]]", ("vehicle.speed = ", "times must increase")),
     (CURVE, "tangent = 50.0", "", ("track.tangent: missing", "without segments")),
     (IRREGULAR, "radius = 800.0", "radius = 8.0", ("track.segments[2].radius = 8.0", "at least 50")),
     (

@@ -9,6 +9,7 @@ from itertools import accumulate, pairwise
 from typing import Literal, get_args
 
 Shape = Literal["quintic", "clothoid", "bloss"]
+SHORTEST = 1e-6  # m or s, of a ramp: squares of much shorter ones vanish
 
 
 def quintic(u: float) -> tuple[float, float, float]:
@@ -69,7 +70,7 @@ class PiecewiseFunction:
             acceleration).
         corner: length of the rounded corners of a "clothoid", m.
 
-    Raises ValueError for stations that do not increase, or corners longer than half a ramp.
+    Raises ValueError for stations that do not increase, ramps below a micrometre, or corners longer than half a ramp.
     """
 
     stations: tuple[float, ...]
@@ -84,6 +85,9 @@ class PiecewiseFunction:
         lengths = [b - a for a, b in pairwise(s)]
         if any(length <= 0.0 for length in lengths):
             raise ValueError(f"stations {s}: must increase strictly")
+        for i, length in enumerate(lengths):
+            if length < SHORTEST and v[i] != v[i + 1]:
+                raise ValueError(f"a ramp of {length:g}: must be at least {SHORTEST:g}")
         if isinstance(self.shape, tuple) and len(self.shape) != len(lengths):
             raise ValueError(f"{len(self.shape)} shapes for {len(lengths)} ramps: must be one for all, or one for each")
         for shape in self.shape if isinstance(self.shape, tuple) else (self.shape,):

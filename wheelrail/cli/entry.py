@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from io import TextIOWrapper
 
 from wheelrail.cli.exit_codes import BAD_INPUT, INTERRUPTED
 
@@ -22,7 +23,8 @@ def main() -> None:
 
 
 def open_standard_streams() -> None:
-    """Open closed standard input and error on the null device; exits with one line if standard output is closed.
+    """Open closed standard input and error on the null device, and print characters that the locale does not have as
+    escapes; exits with one line if standard output is closed.
 
     Else the first files that are opened would have their numbers, and receive what is written to them.
     """
@@ -36,3 +38,6 @@ def open_standard_streams() -> None:
     if sys.stdout is None:
         print("standard output: closed; must be open, if only on /dev/null", file=sys.stderr)
         sys.exit(BAD_INPUT)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):  # what an encoding like ASCII does not have
+            stream.reconfigure(errors="backslashreplace")

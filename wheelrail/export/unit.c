@@ -20,8 +20,9 @@ typedef struct Unit {
 } Unit;
 
 typedef struct {
-    int place;
-    double in[WHEELRAIL_INPUTS];
+    int element, place; /* places are of one element: a closed one takes its stored states along */
+    double time, in[WHEELRAIL_INPUTS], parameter[PARAMETERS];
+    char given[PARAMETERS];
 } Stored;
 
 static int report(const Unit *u, int status, const char *text)
@@ -192,31 +193,39 @@ static int get_state(Unit *u, void **state)
     Stored *stored = *state;
     int place = 0, status = open_element(u);
     if (status != OK) return status;
-    if (!stored) {
+    if (!stored || stored->element != u->element) {
         while (place < STATES && u->used[place]) place++;
-        if (place == STATES || !(stored = malloc(sizeof *stored)))
+        if (place == STATES || (!stored && !(stored = malloc(sizeof *stored))))
             return report(u, ERROR, "too many stored states");
+        stored->element = u->element;
         stored->place = place;
         u->used[place] = 1;
         *state = stored;
     }
+    stored->time = u->time;
     memcpy(stored->in, u->in, sizeof u->in);
+    memcpy(stored->parameter, u->parameter, sizeof u->parameter);
+    memcpy(stored->given, u->given, sizeof u->given);
     return wheelrail_save(u->element, stored->place) ? report(u, ERROR, NULL) : OK;
 }
 
 static int set_state(Unit *u, const Stored *stored)
 {
-    int status = open_element(u);
-    if (status != OK) return status;
+    int status;
+    if (stored->element != u->element) shut(u); /* its parameters may be others */
+    u->time = stored->time;
     memcpy(u->in, stored->in, sizeof u->in);
+    memcpy(u->parameter, stored->parameter, sizeof u->parameter);
+    memcpy(u->given, stored->given, sizeof u->given);
     u->solved = 0;
-    return wheelrail_restore(u->element, stored->place) ? report(u, ERROR, NULL) : OK;
+    if ((status = open_element(u)) != OK) return status;
+    return wheelrail_restore(u->element, stored->element == u->element ? stored->place : INITIAL) ? report(u, ERROR, NULL) : OK;
 }
 
 static int free_state(Unit *u, void **state)
 {
     Stored *stored = *state;
-    if (stored) u->used[stored->place] = 0;
+    if (stored && stored->element == u->element) u->used[stored->place] = 0;
     free(stored);
     *state = NULL;
     return OK;

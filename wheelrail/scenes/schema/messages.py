@@ -62,9 +62,11 @@ def validation_error(
             inner = (int(part) if part.isdigit() else part for part in str(ctx["key"]).split(".") if part)
             key = (*location, *inner)
             text = str(ctx["allowed"])
+        elif item["type"] == "value_error":  # of what the entry describes
+            key, text = location, str(ctx["error"])
         else:
             key, text = location, f"must be {allowed(model, location)}"
-        name = _dotted(key[1:] if key[0] in unnamed else key)
+        name = _dotted(key[1:] if key and key[0] in unnamed else key)
         lines.setdefault(name, f"{name}{_value(key, data)}: {text}")
     # Of an entry with several types, the message about what is inside it is the exact one.
     outer = [name for name in lines if any(other.startswith((f"{name}.", f"{name}[")) for other in lines)]

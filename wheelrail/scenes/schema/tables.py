@@ -21,6 +21,7 @@ from pydantic import (
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.override import overridden
+from wheelrail.vehicle.track.piecewise import SHORTEST
 
 if TYPE_CHECKING:
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
@@ -244,8 +245,8 @@ class VehicleTable(SceneTable):
     def _increasing_times(
         cls, value: float | tuple[tuple[float, float], ...]
     ) -> float | tuple[tuple[float, float], ...]:
-        if isinstance(value, tuple) and any(later <= time for (time, _), (later, _) in pairwise(value)):
-            raise q.reject("times must increase strictly")
+        if isinstance(value, tuple) and any(later - time < SHORTEST for (time, _), (later, _) in pairwise(value)):
+            raise q.reject(f"times must increase, by at least {SHORTEST:g} s")
         return q.AtMost(10_000).check(value)
 
     @model_validator(mode="after")

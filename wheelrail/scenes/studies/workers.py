@@ -22,6 +22,7 @@ from wheelrail.scenes.studies.solve import CaseResult, solve
 from wheelrail.support.worker_process import WorkerProcess
 
 TIMEOUT = "20s"  # for the connection to a scheduler
+LOST = "the worker ended abruptly: out of memory, killed, or crashed in a library"
 SCHEMES = ("", "tcp", "tls", "ws", "wss", "ucx")  # of its address
 
 P = ParamSpec("P")
@@ -56,9 +57,7 @@ def _result(future: Future[CaseResult]) -> CaseResult:
     except CancelledError:
         raise SchedulerGone from None
     except BrokenProcessPool:
-        return CaseResult(
-            "failed", "the worker ended abruptly: out of memory, killed, or crashed in a library", lost=True
-        )
+        return CaseResult("failed", LOST, lost=True)
     except Exception as error:
         return CaseResult("failed", f"the worker was lost: {type(error).__name__}: {error}", lost=True)
 

@@ -7,6 +7,7 @@ import json
 import logging
 from collections.abc import Sequence
 from concurrent.futures import Executor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,7 +23,7 @@ from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import SIDES, Side
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
 from wheelrail.scenes.schema.toml import read_text
-from wheelrail.scenes.studies.workers import processes
+from wheelrail.scenes.studies.workers import LOST, processes
 from wheelrail.scenes.tables.store import TaskStore, task_key
 from wheelrail.scenes.tables.work import sampler, task_rows
 from wheelrail.support.progress import ProgressTimer
@@ -105,7 +106,11 @@ class TableWork:
         }
         progress = ProgressTimer(log, purpose)
         for count, future in enumerate(as_completed(running), 1):
-            self.store.save(running[future], future.result())
+            try:
+                rows = future.result()
+            except BrokenProcessPool:
+                raise RunFailed(f"{LOST}; solves are stored, the same command continues") from None
+            self.store.save(running[future], rows)
             self.solved += 1
             progress(count, len(running))
 
