@@ -84,7 +84,7 @@ def main() -> None:
     file = parser.parse_args().file
     data = read(file)
     print(f"{machine_description()}\n")
-    for side, table in force_tables(data, file.name).items():
+    for side, table in force_tables(data, file).items():
         print(f"| {side} | us |\n|---|---|")
         for name, value in costs(table).items():
             print(f"| {name} | {value:.2f} |")

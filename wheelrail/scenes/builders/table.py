@@ -92,7 +92,7 @@ def read_tables(file: Path, stamp: int) -> tuple[dict[str, ForceTable], dict[str
     from wheelrail.scenes.datasets.force_table import force_tables
     from wheelrail.scenes.datasets.netcdf import read
 
-    data = read(file, sealed=True)
+    data = read(file)
     tables = force_tables(data, file)
     try:
         pairs = json_value(str(data.attrs.get("pairs")))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.support.cache import content_digest
 
 if TYPE_CHECKING:
     from xarray import Dataset, Variable
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.models.table.force_table import ForceTable
     from wheelrail.contact.tables.errors import TableErrors
 
-KIND = "force table"
+KIND, HASH = "force table", "content"  # value of an attribute, name of another
 NODES = {  # of the axes, with units and meaning
     "y": ("m", "lateral position of the tread from its nominal one"),
     "roll": ("1", "sine of the roll angle"),
@@ -55,7 +57,17 @@ def table_dataset(
         f"{side}_{key}": getattr(table.frame, key) for side, table in tables.items() for key in ("radius", "lateral")
     }
     coefficients = {f"{side}_friction": table.friction.coefficient for side, table in tables.items()}
-    return Dataset(variables).assign_attrs(kind=KIND, sides=" ".join(tables), **places, **coefficients, **attributes)
+    data = Dataset(variables).assign_attrs(kind=KIND, sides=" ".join(tables), **places, **coefficients, **attributes)
+    return data.assign_attrs({HASH: content_hash(data)})
+
+
+def content_hash(data: Dataset) -> str:
+    """Hash of all variables and attributes but itself; the same when another program copies them."""
+    attributes = {str(name): dict(values.attrs) for name, values in data.variables.items()}
+    attributes[""] = {name: value for name, value in data.attrs.items() if name != HASH}
+    text = json.dumps(attributes, sort_keys=True, default=lambda value: np.asarray(value).tolist())
+    arrays = {f"{name} {' '.join(map(str, v.dims))}": v.values for name, v in data.variables.items()}
+    return content_digest(text, arrays).decode()
 
 
 def _stage_variables(name: str, stage: str, table: Any) -> dict[str, Variable]:
@@ -100,6 +112,10 @@ def force_tables(data: Dataset, file: Path) -> dict[str, ForceTable]:
 
     if data.attrs.get("kind") != KIND:
         raise SceneError(f"{file}: not a table of contact forces; wheelrail table makes one")
+    if HASH not in data.attrs:
+        raise SceneError(f"{file}: of an earlier version, without a hash of its content; wheelrail table makes it anew")
+    if data.attrs[HASH] != content_hash(data):
+        raise SceneError(f"{file}: its content is not what wheelrail table has written: changed or damaged")
     sides = str(data.attrs.get("sides")).split()
     if sides not in (["left"], ["left", "right"]):
         raise SceneError(f"{file}: sides = {data.attrs.get('sides')!r}: must be left, or left right")

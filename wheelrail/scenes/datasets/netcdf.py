@@ -26,12 +26,11 @@ def machine() -> str:
     return f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
 
 
-def read(file: Path, *, sealed: bool = False) -> Dataset:
+def read(file: Path) -> Dataset:
     """Load a file into memory, without decoding of times.
 
     Parameters:
         file: of `write`, or rewritten by another program.
-        sealed: refuse what another program, or an earlier version, has written.
 
     Raises SceneError if the file is missing, damaged or no regular file, TooLarge.
     """
@@ -41,12 +40,11 @@ def read(file: Path, *, sealed: bool = False) -> Dataset:
         raise SceneError(f"{file}: file does not exist")
     try:
         check_regular(file, MOST, "a NetCDF file")
-        if not is_sealed(file) and sealed:
-            raise SceneError(f"{file}: does not end with a hash of its content: changed, or of an earlier version")
+        is_sealed(file)  # before HDF5 reads it, which may crash on damaged files
         with open_dataset(file, engine="netcdf4", decode_times=False) as stored:
             check_memory(str(file), 1e-9 * stored.nbytes)
             return stored.load()
-    except (SceneError, TooLarge):
+    except TooLarge:
         raise
     except (FileRefused, Damaged) as error:
         raise SceneError(str(error)) from None
