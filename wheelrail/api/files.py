@@ -56,15 +56,19 @@ def open(file: str | Path) -> Solution | Run | Study:
     from wheelrail.api.solution import Solution
     from wheelrail.api.studies import Study
     from wheelrail.scenes.datasets.netcdf import read
+    from wheelrail.scenes.datasets.run_schema import check_run
+    from wheelrail.scenes.studies.results import KIND, check_study_data
 
     if not present(Path(file)):
         raise FileNotFoundError(f"{file}: file does not exist")
     data = read(Path(file))
     if "point" in data.dims and "patches" in data:
         return Solution(data)
-    if data.attrs.get("kind") == "study":
+    if data.attrs.get("kind") == KIND:
+        check_study_data(data, Path(file))
         return Study(data)
     if "time" in data.dims and "patches" in data:
+        check_run(data, Path(file))
         return Run(data)
     raise SceneError(f"{file}: must be the results of a contact solution, a vehicle run or a study of wheelrail")
 

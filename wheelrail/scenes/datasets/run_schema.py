@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 AXES = ("longitudinal", "lateral", "vertical")
 TURNS = ("roll", "spin", "yaw")
 EDGES = ("low", "high")
+FARTHEST = 1e7  # m along the track
 TIME = ("time",)
 BY_BODY = ("time", "body")
 BY_ELEMENT = ("time", "element", "axis")
@@ -39,14 +41,17 @@ IRREGULARITIES = {
     "cross_level": "irregularity of the height of the right rail above the left",
     "gauge": "irregularity of the gauge, positive for widening",
 }
+TRACK: Schema = {
+    "speed": Declared(TIME, "m/s", "speed along the track"),
+    "curvature": Declared(TIME, "1/m", "curvature of the track, positive to the left"),
+    "lift": Declared(TIME, "m", "height of the right rail above the left"),
+}
 COMMON: Schema = {
     "time": Declared(TIME, "s", "time"),
     "distance": Declared(TIME, "m", "distance along the track"),
     "side": Declared(("side",), "", ""),
     "edge": Declared(("edge",), "", ""),
-    "speed": Declared(TIME, "m/s", "speed along the track"),
-    "curvature": Declared(TIME, "1/m", "curvature of the track, positive to the left"),
-    "lift": Declared(TIME, "m", "height of the right rail above the left"),
+    **TRACK,
     **{f"irregularity_{name}": Declared(TIME, "m", text, needed=False) for name, text in IRREGULARITIES.items()},
     "contact_solves": Declared(("side",), "1", "contact problems solved"),
     "failed_solves": Declared(("side",), "1", "contact problems that failed and were repeated"),
@@ -84,19 +89,28 @@ def wheel_schema(by_wheel: tuple[str, ...]) -> Schema:
     }
 
 
-def _wagon_coordinate(name: str) -> tuple[str, str]:
-    """Unit and meaning of a coordinate of the plane wagon."""
-    text = name.replace("_", " ") + (", above the nominal height" if name.endswith("z") else "")
-    return "rad" if name.endswith(("roll", "pitch")) else "m", text
+def motion(coordinates: Mapping[str, str], dims: tuple[str, ...]) -> Schema:
+    """Coordinates and their rates.
+
+    Parameters:
+        coordinates: meanings by name.
+        dims: of their values.
+    """
+    declared: dict[str, Declared] = {}
+    for name, text in coordinates.items():
+        units = "rad" if name.endswith(("roll", "pitch", "yaw")) else "m"
+        declared[name] = Declared(dims, units, text)
+        declared[f"{name}_rate"] = Declared(dims, f"{units}/s", f"rate of {text}")
+    return declared
 
 
+WAGON_MOTION = motion(
+    {n: n.replace("_", " ") + ", above the nominal height" * n.endswith("z") for n in WAGON_COORDINATES}, TIME
+)
+BODY_MOTION = motion({f"body_{name}": COORDINATE_TEXTS[name] for name in BODY_COORDINATES}, BY_BODY)
 WAGON: Schema = {
     **COMMON,
-    **{name: Declared(TIME, *_wagon_coordinate(name)) for name in WAGON_COORDINATES},
-    **{
-        f"{name}_rate": Declared(TIME, f"{units}/s", f"rate of {text}")
-        for name, (units, text) in ((name, _wagon_coordinate(name)) for name in WAGON_COORDINATES)
-    },
+    **WAGON_MOTION,
     "series_deflection": Declared(
         ("time", "series"),
         "m",
@@ -144,11 +158,7 @@ VEHICLE: Schema = {
     "wheelset": Declared(("wheelset",), "", ""),
     "element": Declared(("element",), "", ""),
     "axis": Declared(("axis",), "", ""),
-    **{f"body_{n}": Declared(BY_BODY, "m" if n in "xyz" else "rad", COORDINATE_TEXTS[n]) for n in BODY_COORDINATES},
-    **{
-        f"body_{n}_rate": Declared(BY_BODY, "m/s" if n in "xyz" else "rad/s", f"rate of {COORDINATE_TEXTS[n]}")
-        for n in BODY_COORDINATES
-    },
+    **BODY_MOTION,
     "series_deflection": Declared(
         ("time", "series"),
         "m",
@@ -194,8 +204,19 @@ def is_of_vehicle(data: Dataset) -> bool:
 
 
 def read_run(file: Path) -> Dataset:
-    """Dataset of a run; raises SceneError for a file that does not have what a run writes, naming what differs."""
+    """Dataset of a run; raises SceneError as `check_run`."""
     data = read(file)
+    check_run(data, file)
+    return data
+
+
+def check_run(data: Dataset, file: Path) -> None:
+    """Raise SceneError unless a Dataset has what a run writes, naming what is missing or differs.
+
+    Parameters:
+        data: Dataset of the file.
+        file: for messages.
+    """
     if not data.sizes.get("time") or "patches" not in data or not {"body_y", "wheelset_y"} & set(data.variables):
         raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
     of_vehicle = is_of_vehicle(data)
@@ -209,11 +230,13 @@ def read_run(file: Path) -> Dataset:
     time, distance = data["time"].values, data["distance"].values
     if not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
         raise SceneError(f"{file}: time: must be finite numbers that increase")
-    if not np.isfinite(distance).all() or (np.diff(distance) < 0.0).any():
-        raise SceneError(f"{file}: distance: must be finite numbers that do not decrease")
+    if not (np.abs(distance) <= FARTHEST).all() or (np.diff(distance) < 0.0).any():
+        raise SceneError(f"{file}: distance: must be numbers up to {FARTHEST:g} m that do not decrease")
+    for name in (*TRACK, *(BODY_MOTION if of_vehicle else WAGON_MOTION)):
+        if not np.isfinite(data[name].values).all():
+            raise SceneError(f"{file}: {name}: must be finite numbers")
     if of_vehicle:
         _check_names(data, file)
-    return data
 
 
 def _check_names(data: Dataset, file: Path) -> None:

@@ -52,13 +52,10 @@ def page(folder: Path, *, view: bool = True) -> Page:
         page_of = vehicle_page if is_of_vehicle(data) else run_page
         return page_of(data, folder / RUN, view=view)
     if (folder / STUDY).exists():
-        from wheelrail.scenes.datasets.netcdf import read
         from wheelrail.scenes.html_report.study_page import study_page
+        from wheelrail.scenes.studies.results import read_study
 
-        data = read(folder / STUDY)
-        if data.attrs.get("kind") != "study":
-            raise SceneError(f"{folder / STUDY}: contains no results of a study; {ALLOWED}")
-        return study_page(data, folder / STUDY, view=view)
+        return study_page(read_study(folder / STUDY), folder / STUDY, view=view)
     if (folder / COMPARISON).exists():
         from wheelrail.scenes.datasets.run_schema import read_run
         from wheelrail.scenes.html_report.comparison_page import comparison_page

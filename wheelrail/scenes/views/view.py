@@ -225,7 +225,11 @@ def animate_data(
 
 def vehicle_of_run(data: Dataset, file: Path) -> Vehicle:
     """Vehicle in three dimensions of a run, from its text in the results; parameters and errors as `bodies_of_run`."""
-    return parse_vehicle(str(data.attrs["vehicle"]), file)
+    vehicle = parse_vehicle(data.attrs["vehicle"], file)
+    for name, own in (("body", vehicle.names), ("wheelset", vehicle.wheelsets)):
+        if (expected := list(own)) != data[name].values.tolist():
+            raise SceneError(f"{file}: {name}: must be those of its vehicle, {', '.join(expected)}")
+    return vehicle
 
 
 def bodies_of_run(data: Dataset, file: Path) -> RunBodies:

@@ -1,0 +1,199 @@
+"""Files of results that are damaged, altered or none: every command ends with one line and exit code 2."""
+
+from __future__ import annotations
+
+import gzip
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+import wheelrail as wr
+from wheelrail.cli.main import app
+from wheelrail.scenes.datasets.declared import Schema
+from wheelrail.scenes.datasets.netcdf import read, write
+from wheelrail.scenes.datasets.run_schema import (
+    COMMON_ATTRIBUTES,
+    VEHICLE,
+    VEHICLE_ATTRIBUTES,
+    WAGON,
+    WAGON_ATTRIBUTES,
+    check_run,
+)
+
+SIZES = {"time": 5, "side": 2, "edge": 2, "axis": 3, "body": 3, "wheelset": 2, "element": 2, "patch": 1, "series": 1}
+NAMES = {
+    "side": ["left", "right"],
+    "edge": ["low", "high"],
+    "axis": ["x", "y", "z"],
+    "body": ["car", "one", "two"],
+    "wheelset": ["one", "two"],
+}
+FILE = Path("run.nc")
+
+
+def made(schema: Schema, attributes: dict[str, type]) -> xr.Dataset:
+    """Results with the declared variables, mostly zero."""
+    variables: dict[str, Any] = {}
+    for name, declared in schema.items():
+        shape = tuple(SIZES.get(dim, 2) for dim in declared.dims)
+        values = (
+            np.zeros(shape) if declared.units else np.array(NAMES.get(name, [f"{name} {k}" for k in range(shape[0])]))
+        )
+        variables[name] = (declared.dims, values, declared.attributes)
+    data = xr.Dataset(variables, attrs={name: "text" if kind is str else 1.0 for name, kind in attributes.items()})
+    rising = np.linspace(0.0, 40.0, SIZES["time"])
+    return data.assign_coords(time=("time", rising), distance=("time", rising))
+
+
+KINDS = {"wagon": (WAGON, WAGON_ATTRIBUTES), "vehicle": (VEHICLE, VEHICLE_ATTRIBUTES)}
+CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
+    "time in reverse": lambda d: d.assign_coords(time=("time", d["time"].values[::-1].copy())),
+    "time at rest": lambda d: d.assign_coords(time=("time", 0.0 * d["time"].values)),
+    "time not a number": lambda d: d.assign_coords(time=("time", np.nan * d["time"].values)),
+    "time renamed": lambda d: d.rename(time="t"),
+    "no sample": lambda d: d.isel(time=slice(0, 0)),
+    "distance in reverse": lambda d: d.assign_coords(distance=("time", d["distance"].values[::-1].copy())),
+    "distance beyond all": lambda d: d.assign_coords(distance=("time", 1e300 * d["distance"].values)),
+    "sides renamed": lambda d: d.assign_coords(side=["l", "r"]),
+    "one side": lambda d: d.isel(side=slice(0, 1)),
+    "no side": lambda d: d.isel(side=slice(0, 0)),
+    "no patch": lambda d: d.isel(patch=slice(0, 0)),
+    "texts": lambda d: d.assign(lateral_force=d["lateral_force"].astype(str)),
+    "dimensions in another order": lambda d: d.assign(lateral_force=d["lateral_force"].transpose()),
+    "another length": lambda d: d.drop_vars("approach").assign(approach=("n", np.zeros(7))),
+    "a number": lambda d: d.assign(approach=0.0),
+    "a speed not a number": lambda d: d.assign(speed=d["speed"] * np.nan),
+    "no attributes": lambda d: d.drop_attrs(),
+}
+OF_VEHICLE: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
+    "no wheelset": lambda d: d.isel(wheelset=slice(0, 0)),
+    "a wheelset that is no body": lambda d: d.assign_coords(wheelset=["one", "three"]),
+    "two bodies of one name": lambda d: d.assign_coords(body=["one", "one", "two"]),
+    "numbers for names": lambda d: d.assign_coords(body=[1, 2, 3], wheelset=[2, 3]),
+    "a body nowhere": lambda d: d.assign(body_y=d["body_y"].where(d["time"] > 0.0)),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_results_as_declared_are_read(kind: str) -> None:
+    schema, attributes = KINDS[kind]
+    check_run(made(schema, attributes), FILE)
+    check_run(made({name: own for name, own in schema.items() if own.needed}, attributes), FILE)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_missing_variable_is_named(kind: str) -> None:
+    data = made(*KINDS[kind])
+    for name, declared in KINDS[kind][0].items():
+        if declared.needed:
+            with pytest.raises(
+                wr.SceneError,
+                match=r"run\.nc: must contain results of a run"
+                if name in ("body_y", "wheelset_y", "patches")
+                else rf"run\.nc: {name}: ",
+            ):
+                check_run(data.drop_vars(name), FILE)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_attribute_of_another_type_is_named(kind: str) -> None:
+    schema, attributes = KINDS[kind]
+    data = made(schema, attributes)
+    for name, needed in attributes.items():
+        for value in (None, 7) if needed is str else (None, "7", np.nan, [1.0, 2.0], ""):
+            altered = data.copy()
+            altered.attrs = {key: own for key, own in data.attrs.items() if key != name}
+            altered.attrs |= {} if value is None else {name: value}
+            with pytest.raises(wr.SceneError, match=rf"run\.nc: attribute {name}: "):
+                check_run(altered, FILE)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"), [*(("wagon", n) for n in CHANGES), *(("vehicle", n) for n in (*CHANGES, *OF_VEHICLE))]
+)
+def test_altered_results_are_refused(kind: str, name: str) -> None:
+    with pytest.raises(wr.SceneError, match=r"^run\.nc: [^\n]+$"):
+        check_run((CHANGES | OF_VEHICLE)[name](made(*KINDS[kind])), FILE)
+
+
+def fifo(path: Path) -> None:
+    os.mkfifo(path)
+
+
+def content(data: bytes) -> Callable[[Path], object]:
+    return lambda path: path.write_bytes(data)
+
+
+def whole(folder: Path) -> bytes:
+    write(made(WAGON, WAGON_ATTRIBUTES), folder / "whole.nc")
+    return (folder / "whole.nc").read_bytes()
+
+
+NONE_AT_ALL: dict[str, Callable[[Path], object]] = {
+    "a pipe": fifo,
+    "a device": lambda path: path.symlink_to("/dev/zero"),
+    "a folder": Path.mkdir,
+    "a loop": lambda path: path.symlink_to(path.name),
+    "a dangling link": lambda path: path.symlink_to("nowhere"),
+    "empty": content(b""),
+    "zeros": content(bytes(5000)),
+    "a page": content(b"<html>"),
+    "a signature": content(b"\x89HDF\r\n\x1a\n" + b"\xff" * 3000),
+    "classic": content(b"CDF\x01\0\0\0\0"),
+    "half": lambda path: path.write_bytes((data := whole(path.parent))[: len(data) // 2]),
+    "compressed": lambda path: path.write_bytes(gzip.compress(whole(path.parent))),
+    "another results": lambda path: write(xr.Dataset({"a": ("n", np.zeros(3))}), path),
+}
+
+
+@pytest.mark.parametrize("name", NONE_AT_ALL)
+def test_what_is_no_file_of_results_is_one_line(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    NONE_AT_ALL[name](Path("run.nc"))
+    lines = (["report", "."], ["evaluate", "run.nc"], ["animate", "run.nc", "--out", "a.gif"])
+    for line in lines:
+        done = CliRunner().invoke(app, line)
+        assert done.exit_code == 2, done.output
+        assert len(done.stderr.splitlines()) == 1
+    with pytest.raises((wr.SceneError, FileNotFoundError)):
+        wr.open("run.nc")
+    assert not Path("report.html").exists()
+    assert not Path("a.gif").exists()
+
+
+def test_every_flipped_byte_is_found(tmp_path: Path) -> None:
+    data = whole(tmp_path)
+    assert read(tmp_path / "whole.nc").attrs["scene"] == "text"
+    for place in np.random.default_rng(39).integers(0, len(data) - 200, 200).tolist():
+        (tmp_path / "whole.nc").write_bytes(data[:place] + bytes([data[place] ^ 4]) + data[place + 1 :])
+        with pytest.raises(wr.SceneError, match=r"whole\.nc: its content is not what was written"):
+            read(tmp_path / "whole.nc")
+
+
+def test_results_of_other_programs_are_read(tmp_path: Path) -> None:
+    """A part that xarray has written in place of the whole, and long texts."""
+    write(made(WAGON, WAGON_ATTRIBUTES | COMMON_ATTRIBUTES).assign_attrs(scene="é" * 40_000), tmp_path / "run.nc")
+    with xr.open_dataset(tmp_path / "run.nc", engine="netcdf4", decode_times=False) as data:
+        part = data.isel(time=slice(0, 3)).load()
+    part.to_netcdf(tmp_path / "run.nc", engine="netcdf4")
+    again = read(tmp_path / "run.nc")
+    check_run(again, FILE)
+    assert again.sizes["time"] == 3
+    assert again.attrs["scene"] == "é" * 40_000
+
+
+def test_arrays_beyond_memory_are_one_line(tmp_path: Path) -> None:
+    import netCDF4
+
+    with netCDF4.Dataset(tmp_path / "run.nc", "w") as file:
+        file.createDimension("time", 10**13)
+        file.createVariable("patches", "f8", ("time",), chunksizes=(1024,))
+    done = CliRunner().invoke(app, ["evaluate", str(tmp_path / "run.nc")])
+    assert done.exit_code == 2
+    assert "GB of memory" in done.stderr
