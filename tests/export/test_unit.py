@@ -202,3 +202,48 @@ def test_units_of_fmi_3_live_side_by_side(unit3: Path, scene: Path, tmp_path: Pa
     again.exitInitializationMode()
     assert row(again, *PLACES[0]) == expected[0]
     again.fmi3FreeInstance(again.component)
+
+
+def test_stored_states_keep_their_places_and_parameters(unit: Path, scene: Path, tmp_path: Path) -> None:
+    """Of two states that are alive none takes the place of the other, also across a change of parameters."""
+    fmpy = pytest.importorskip("fmpy")
+    from ctypes import POINTER, c_int, cast
+
+    from fmpy.fmi2 import FMU2Slave
+
+    folder = fmpy.extract(str(unit), str(tmp_path / "unit"))
+    description = fmpy.read_model_description(str(unit))
+    slave = FMU2Slave(
+        guid=description.guid,
+        modelIdentifier=description.coSimulation.modelIdentifier,
+        unzipDirectory=folder,
+        instanceName="states",
+    )
+    slave.instantiate()
+    slave.setupExperiment()
+    slave.enterInitializationMode()
+    slave.exitInitializationMode()
+
+    def stored(y: float, z: float) -> tuple[object, tuple[int, ...]]:
+        slave.setReal([0, 1], [y, z])
+        state = slave.getFMUstate()
+        return state, tuple(cast(state, POINTER(c_int))[:2])  # number of the element, place
+
+    expected = numbers(wr.load(scene).element(), PLACES[:1])[0]  # type: ignore[union-attr]
+    first, _ = stored(*PLACES[0])
+    slave.setReal([200], [0.1])  # closes the element
+    second, place = stored(*PLACES[1])
+    slave.freeFMUstate(first)
+    third, other = stored(*PLACES[0])
+    assert place != other
+    slave.setReal([200], [0.3])
+    fourth, _ = stored(*PLACES[0])
+    slave.setFMUstate(second)
+    assert slave.getReal([0, 1, 200]) == [*PLACES[1], 0.1]
+    slave.setFMUstate(fourth)
+    assert slave.getReal([0, 1, 200]) == [*PLACES[0], 0.3]
+    assert slave.getReal([100 + k for k in range(14)]) == expected[:14]
+    for state in (second, third, fourth):
+        slave.freeFMUstate(state)
+    slave.terminate()
+    slave.freeInstance()

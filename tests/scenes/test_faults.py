@@ -185,6 +185,28 @@ def test_full_disk_keeps_the_previous_results(tmp_path: Path) -> None:
     assert (tmp_path / "run.nc").read_text() == "old"
 
 
+FULL = """
+import resource, signal, sys
+import numpy as np
+from pathlib import Path
+from xarray import Dataset
+from wheelrail.scenes.datasets.netcdf import write
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
+try:
+    write(Dataset({f"values {k}": ("n", np.random.default_rng(k).random(1000)) for k in range(20)}), Path(sys.argv[1]))
+except OSError as error:
+    sys.exit(f"{error.strerror}")
+"""
+
+
+def test_process_that_fills_a_disk_ends_in_order(tmp_path: Path) -> None:
+    line = [sys.executable, "-c", FULL, str(tmp_path / "run.nc")]
+    done = subprocess.run(line, capture_output=True, text=True, env=ENVIRONMENT, timeout=300)
+    assert (done.returncode, done.stderr) == (1, "File too large\n")  # not a crash of HDF5 at exit
+    assert os.listdir(tmp_path) == []
+
+
 def test_run_on_a_full_disk_resumes_from_its_checkpoints(tmp_path: Path, undisturbed: Path) -> None:
     quick(tmp_path)
     full = (

@@ -211,7 +211,7 @@ static int get_state(Unit *u, void **state)
 
 static int set_state(Unit *u, const Stored *stored)
 {
-    int status;
+    int status, place;
     if (stored->element != u->element) shut(u); /* its parameters may be others */
     u->time = stored->time;
     memcpy(u->in, stored->in, sizeof u->in);
@@ -219,7 +219,8 @@ static int set_state(Unit *u, const Stored *stored)
     memcpy(u->given, stored->given, sizeof u->given);
     u->solved = 0;
     if ((status = open_element(u)) != OK) return status;
-    return wheelrail_restore(u->element, stored->element == u->element ? stored->place : INITIAL) ? report(u, ERROR, NULL) : OK;
+    place = stored->element == u->element ? stored->place : INITIAL;
+    return wheelrail_restore(u->element, place) ? report(u, ERROR, NULL) : OK;
 }
 
 static int free_state(Unit *u, void **state)
