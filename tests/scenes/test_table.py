@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from typing import Any
 
@@ -177,6 +178,21 @@ def test_tables_of_what_is_no_function_of_the_pose_are_refused(tmp_path: Path) -
     result = CliRunner().invoke(app, ["table", str(scene), "--out", str(tmp_path / "t.nc")])
     assert result.exit_code == 2
     assert "elastic axle and pads are not allowed" in result.output
+
+
+def test_a_killed_worker_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Killed(ThreadPoolExecutor):
+        def submit(self, *call: Any, **options: Any) -> Any:
+            def dead() -> None:
+                raise BrokenProcessPool("a process in the process pool was terminated abruptly")
+
+            return super().submit(dead)
+
+    monkeypatch.setattr(make, "processes", Killed)
+    result = made(tmp_path)
+    assert result.exit_code == 1
+    assert "killed, or crashed in a library; solves are stored, the same command continues" in result.stderr
+    assert not (tmp_path / "t.nc").exists()
 
 
 @pytest.mark.usefixtures("threads")

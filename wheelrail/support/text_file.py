@@ -77,7 +77,7 @@ def json_value(text: str | bytes) -> Any:
         value = json.loads(text)
     except RecursionError:
         raise ValueError("brackets nested hundreds of levels deep") from None
-    if any(depth > DEEPEST + 1 for _, _, depth in entries({"": value})):
+    if any(depth > DEEPEST for _, _, depth in entries({"": value})):
         raise ValueError(f"brackets nested more than {DEEPEST} levels deep")
     return value
 
