@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from sphinx.application import Sphinx
@@ -14,7 +15,7 @@ from sphinx.application import Sphinx
 from extensions.benchmark_list import benchmark_list
 from extensions.commands import commands
 from extensions.element_variables import element_variables
-from extensions.public_names import public_names
+from extensions.public_names import TOPICS, public_names
 from extensions.run_variables import run_variables
 from extensions.scene_keys import scene_keys, study_keys
 from extensions.wagon_values import wagon_values
@@ -23,7 +24,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "benchmark-list": benchmark_list,
     "commands": commands,
     "element-variables": element_variables,
-    "public-names": public_names,
+    **{f"public-names-{topic}": partial(public_names, topic) for topic in TOPICS},
     "run-variables": run_variables,
     "scene-keys": scene_keys,
     "study-keys": study_keys,

@@ -8,6 +8,9 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any
 
+# Topics, each with its page, by the beginnings of the titles of their chapters.
+TOPICS = {"wheelrail": "wheelrail", "contact": "Contact", "meshes": "Meshes", "vehicle": "Vehicle", "scenes": "Scenes"}
+
 # Title: modules, by package
 CHAPTERS: dict[str, tuple[str, ...]] = {
     "wheelrail": ("wheelrail",),
@@ -127,9 +130,10 @@ def _defined(thing: Any, module: ModuleType) -> bool:
     return (inspect.isclass(thing) or inspect.isfunction(thing)) and thing.__module__ == module.__name__
 
 
-def public_names() -> str:
-    """reStructuredText: every public name, chapter by chapter and module by module."""
-    return "\n".join(line for title, modules in CHAPTERS.items() for line in _chapter(title, modules))
+def public_names(topic: str) -> str:
+    """reStructuredText: every public name of a topic, chapter by chapter and module by module."""
+    chapters = {title: modules for title, modules in CHAPTERS.items() if title.startswith(TOPICS[topic])}
+    return "\n".join(line for title, modules in chapters.items() for line in _chapter(title, modules))
 
 
 def _chapter(title: str, modules: tuple[str, ...]) -> Iterator[str]:

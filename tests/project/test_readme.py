@@ -17,7 +17,9 @@ from wheelrail.contact.analytical.hertz import hertz, modulus
 from wheelrail.scenes.schema.scene import load_scene
 
 ROOT = Path(__file__).parents[2]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+README, CONTRIBUTING, OVERVIEW = (
+    (ROOT / name).read_text(encoding="utf-8") for name in ("README.md", "CONTRIBUTING.md", "docs/overview.md")
+)
 STEEL = (2.1e11, 0.3)
 
 
@@ -40,9 +42,27 @@ def own_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
         monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path / "cache"))
 
 
+def test_length() -> None:
+    """What a reader takes in at a glance: the picture first; tables are in the documentation."""
+    assert len(README.encode()) < 8000
+    assert README.splitlines()[2].startswith("![")
+    assert "|---|" not in README
+
+
+def test_accuracy_in_one_sentence() -> None:
+    """With the figures of the tables."""
+    words = " ".join(README.split())
+    said = re.search(r"over 132 cases by ([0-9.]+) % of mu N \(RMS; ([0-9.]+) % at most\), and a contact takes", words)
+    took = re.search(r"takes ([0-9.]+) ms from cold and ([0-9.]+) ms in a time integration", words)
+    assert said is not None
+    assert took is not None
+    assert f"| creep forces, 132 cases | CONTACT, extrapolated | {said[1]} % of mu N | {said[2]} % |" in OVERVIEW
+    assert re.search(rf"\| strips [\w ]+, the default \| \d+ \| {took[1]} \| {took[2]} \|", OVERVIEW)
+
+
 def test_example_in_python(capsys: pytest.CaptureFixture[str]) -> None:
     (example,) = blocks("python")
-    assert len([line for line in example.splitlines() if line]) <= 12
+    assert len([line for line in example.splitlines() if line]) == 5
     names: dict[str, Any] = {}
     exec(compile(example, "README.md", "exec"), names)
     exact = hertz(0.5 / 0.46, 0.5 / 0.3, modulus(STEEL, STEEL), force=60e3)
@@ -77,10 +97,10 @@ def test_example_on_the_command_line(tmp_path: Path) -> None:
 
 def test_commands_and_folders_exist() -> None:
     targets = set(re.findall(r"^make (\w+)", "".join(blocks("sh")), flags=re.MULTILINE))
-    assert targets == {"run", "test"}
+    assert targets == {"run", "notebooks", "test"}
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert all(re.search(rf"^{target}:", makefile, flags=re.MULTILINE) for target in targets)
-    folders = re.findall(r"^\| `(\w+)/` \|", README, flags=re.MULTILINE)
+    folders = re.findall(r"^\| `(\w+)/` \|", CONTRIBUTING, flags=re.MULTILINE)
     assert len(folders) == 10
     assert all((ROOT / folder).is_dir() for folder in folders)
 
@@ -102,7 +122,7 @@ def test_statements_agree_with_scenes_and_tables() -> None:
     )
     uncorrected = re.search(r"\| hertz \| approach, uncorrected \| % \| ([0-9.]+) \| ([0-9.]+) \|", validation)
     assert uncorrected is not None
-    (row,) = (line for line in README.splitlines() if line.startswith("| peak pressure; semi-axes; approach |"))
+    (row,) = (line for line in OVERVIEW.splitlines() if line.startswith("| peak pressure; semi-axes; approach |"))
     assert row.count(f"; {uncorrected[1]} %") == 1
     assert row.count(f"; {uncorrected[2]} %") == 1
     for command in "".join(blocks("sh")).splitlines():
@@ -110,8 +130,7 @@ def test_statements_agree_with_scenes_and_tables() -> None:
         if match := re.search(r"scenes/\w+\.toml", scene):
             paper = 'laws = "paper"' in (ROOT / match[0]).read_text(encoding="utf-8")
             assert paper or "the paper's laws" not in comment, command
-    assert "NumPy and SciPy only" not in README
-    for text in (README, limits):
+    for text in (OVERVIEW, limits):
         words = " ".join(text.split())
         assert "percentage points" in words
         assert re.search(r"clamped at its foot.*clamped at its bore|clamped at its foot, wheel at its bore", words)
