@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 import warnings
 from io import StringIO
 from pathlib import Path
@@ -18,6 +19,9 @@ from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.runs import run as run_module
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import load_scene, parse_scene
+from wheelrail.scenes.studies.plan import plan
+from wheelrail.scenes.studies.run import StudyRun
+from wheelrail.scenes.studies.schema import check_study
 
 CASES = [
     (WHEELSET, "radius = 0.46", "radius = 0.92", "wheelset.radius = 0.92", "from 0.15 to 0.7 m", "diameter"),
@@ -96,3 +100,11 @@ def test_overwriting_results_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyP
         said = console.file.getvalue()  # type: ignore[attr-defined]
         assert ("contains the results of an earlier run, which this one overwrites" in said) == written
         (tmp_path / "run.nc").touch()
+
+
+def test_overwriting_results_of_a_study_is_said(tmp_path: Path) -> None:
+    planned = plan(check_study({"scene": tomllib.loads(standard(WHEELSET)), "grid": {"wheelset.y": [0.0, 1e-3]}}))
+    (tmp_path / "study.nc").touch()
+    said: list[str] = []
+    StudyRun.of(planned, tmp_path, said.append, fresh=False)
+    assert said == [f"{tmp_path} contains the results of an earlier study, which this one overwrites"]

@@ -187,6 +187,8 @@ class StudyRun:
         results = {key: result for key in jobs if (result := store.load(key)) is not None}
         if results:
             report(f"{len(results)} of {len(jobs)} cases are already computed; --fresh recomputes them")
+        elif (folder / RESULTS).exists():
+            report(f"{folder} contains the results of an earlier study, which this one overwrites")
         return cls(planned, store, report, jobs, indices, results)
 
     def compute(self, scheduler: str | None, console: Console) -> None:
