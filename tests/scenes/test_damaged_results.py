@@ -25,6 +25,7 @@ from wheelrail.scenes.datasets.run_schema import (
     WAGON_ATTRIBUTES,
     check_run,
 )
+from wheelrail.scenes.plots.vehicle_runs import pictures_of
 
 SIZES = {"time": 5, "side": 2, "edge": 2, "axis": 3, "body": 3, "wheelset": 2, "element": 2, "patch": 1, "series": 1}
 NAMES = {
@@ -120,6 +121,14 @@ def test_each_attribute_of_another_type_is_named(kind: str) -> None:
 def test_altered_results_are_refused(kind: str, name: str) -> None:
     with pytest.raises(wr.SceneError, match=r"^run\.nc: [^\n]+$"):
         check_run((CHANGES | OF_VEHICLE)[name](made(*KINDS[kind])), FILE)
+
+
+@pytest.mark.parametrize("picture", ["body_motion", "wheel_load"])
+def test_names_with_dollar_signs_are_drawn(picture: str, tmp_path: Path) -> None:
+    """In Matplotlib text between dollar signs is mathematics, and an error where it is none."""
+    names = ["$\\frac$", "$x^$", "<b>$"]
+    data = made(*KINDS["vehicle"]).assign_coords(body=names, wheelset=names[1:])
+    pictures_of(data)[picture](data).savefig(tmp_path / "a.png", dpi=20)
 
 
 def fifo(path: Path) -> None:

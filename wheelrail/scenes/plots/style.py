@@ -44,6 +44,11 @@ SERIES: tuple[dict[str, Any], ...] = (
 )
 
 
+def literal(text: str) -> str:
+    """Text of a user, such as the name of a body, without the mathematics that Matplotlib sees between dollar signs."""
+    return text.replace("$", r"\$")
+
+
 def axes_of(ax: Axes | None, size: tuple[float, float] = (5.2, 4.2)) -> Axes:
     """The axes, or new ones in a figure of the given size, inches."""
     if ax is not None:

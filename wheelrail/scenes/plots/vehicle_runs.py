@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.plots.runs import along_track, named
-from wheelrail.scenes.plots.style import SERIES, SIDES
+from wheelrail.scenes.plots.style import SERIES, SIDES, literal
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -196,7 +196,7 @@ def _lines(ax: Axes, data: Dataset, values: DataArray, dimension: str, over: str
     """One line for each name of a dimension, over distance or time."""
     for name, style in zip(values[dimension].values, cycle(SERIES), strict=False):
         line: dict[str, Any] = {key: style[key] for key in ("color", "linestyle")}
-        ax.plot(data[over], values.sel({dimension: name}), label=str(name), **line)
+        ax.plot(data[over], values.sel({dimension: name}), label=literal(str(name)), **line)
     ax.legend(loc="best", ncols=2)
 
 
@@ -208,7 +208,7 @@ def _by_wheel(data: Dataset, values: DataArray, scale: float, title: str, label:
         for side, style in SIDES.items():
             wheel = values.sel(wheelset=name, side=side)
             ax.plot(data["distance"], scale * wheel, label=named(side, data), **style)
-        ax.set_title(f"{title}, {name}")
+        ax.set_title(f"{title}, {literal(str(name))}")
         ax.set_ylabel(label)
     axes[0].legend(loc="best", ncols=2)
     return figure

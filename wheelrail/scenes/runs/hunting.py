@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.scenes.datasets.number_text import fixed
-from wheelrail.scenes.plots.style import SERIES, save, styled
+from wheelrail.scenes.plots.style import SERIES, literal, save, styled
 from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.runs.vehicle_run import vehicle_for_run
 from wheelrail.scenes.runs.vehicle_steady import vehicle_dynamics
@@ -112,7 +112,7 @@ def _bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Figu
         label = f"the cycle vanishes\nbetween {bracket[1].speed:g} and {bracket[0].speed:g} m/s"
         ax.axvspan(bracket[1].speed, bracket[0].speed, color="0.85", label=label)
     for i, name in enumerate(wheelsets):
-        ax.plot(speeds, [1e3 * c.amplitude[i] for c in cycles], label=name, **SERIES[i % len(SERIES)])
+        ax.plot(speeds, [1e3 * c.amplitude[i] for c in cycles], label=literal(name), **SERIES[i % len(SERIES)])
     ax.set_title("Amplitude of the lateral motion over speed")
     ax.set_xlabel("speed [m/s]")
     ax.set_ylabel("amplitude of y [mm]")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.plots import errors as panels
-from wheelrail.scenes.plots.style import SERIES, save, styled
+from wheelrail.scenes.plots.style import SERIES, literal, save, styled
 from wheelrail.scenes.studies.convergence import errors_of, finest_of, increasing_of, largest_errors, series_of
 from wheelrail.scenes.studies.plan import SAMPLE, shown
 from wheelrail.scenes.studies.quantities import MAIN, varying
@@ -274,4 +274,4 @@ def _combination(data: Dataset, dims: list[str], index: tuple[int, ...]) -> str:
         f"{data[dim].attrs['long_name']} = {shown(data[dim].values[i].item())}"
         for dim, i in zip(dims, index, strict=True)
     )
-    return ", ".join(values)
+    return literal(", ".join(values))
