@@ -25,7 +25,7 @@ from wheelrail.scenes.datasets.netcdf import machine, read, write
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.datasets.run_derived import wear
 from wheelrail.scenes.html_report.extremes import extreme, wheel_table
-from wheelrail.scenes.html_report.provenance import opening, seconds
+from wheelrail.scenes.html_report.provenance import seconds
 from wheelrail.scenes.html_report.write import write_report
 from wheelrail.scenes.studies import dataset as results
 from wheelrail.scenes.studies import job as jobs
@@ -424,6 +424,4 @@ def test_report_is_written_atomically(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def test_formatting_of_numbers_and_dates() -> None:
-    assert opening("# One\n# two.\n#   a command\n# Three.\nkind = 1\n# four") == "One two. Three."
-    assert opening("kind = 1\n# One") == ""
     assert [seconds(v) for v in (0.123, 150.0, 7380.0)] == ["0.123 s", "150 s (2 min 30 s)", "7380 s (2 h 3 min)"]
