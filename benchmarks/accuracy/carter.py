@@ -94,7 +94,7 @@ def carter_section(quick: bool, say: Say) -> TableSection:
         expected, _ = exact(x, y)
         force_ratio = float((along @ area) / (friction * pressure @ area))
         exact_means = _mean_over_band(pair, exact, friction)
-        shape = -1, model.resolution.cells  # of strips in the band
+        shape = -1, model.cells  # of strips in the band
         margin = np.where(total < friction * pressure * (1 - 1e-6), friction * pressure - total, 0.0)
         stick_fraction = float(stick_lengths(margin.reshape(shape), area.reshape(shape)).sum() / area.sum())
         error = 100 * (along - expected) / unit

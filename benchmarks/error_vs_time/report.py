@@ -11,6 +11,7 @@ import json
 import logging
 import math
 import os
+import secrets
 import sys
 from pathlib import Path
 from time import perf_counter
@@ -88,8 +89,8 @@ def full_against_condensed(rows: list[Row]) -> str:
     )
 
 
-def notes() -> str:
-    """Notes on the tables."""
+def notes(seed: int) -> str:
+    """Notes on the tables; seed of the sampled ellipses."""
     case = timing_case()
     xi, eta, phi = case.creep
     a, b = case.pair.exact.semi_axes
@@ -107,8 +108,8 @@ by its part of the approach.
 - Rolling: under the load, by the same laws; in % of mu F_n against the extrapolated finest solution. creep \
 error: the larger of Fx and Fy on the timed ellipse; RMS and worst: of Fx and Fy over {len(creep_cases(EVERY))} cases \
 of creep_curves.json (every sixth; --quick: {len(creep_cases(QUICK_EVERY))}), where a solve takes less than 1 s; \
-sampled: over {SAMPLED} random ellipses (a/b 0.2 to 5, friction 0.1 to 0.6, 5 to 150 % of saturation; --quick: \
-{QUICK_SAMPLED}).
+sampled: over {SAMPLED} ellipses drawn anew at every call, here by --seed {seed} (a/b 0.2 to 5, friction 0.1 to 0.6, \
+5 to 150 % of saturation; --quick: {QUICK_SAMPLED}).
 - CONTACT: times of another machine and date, first-order slip; its load is prescribed, so its force error is that of \
 its approach times 1.5; its area is that of its elements. On square elements; "long cells": nx along x by ny across \
 over the ellipse, which is more accurate at equal times, errors over 40 other random ellipses in the same ranges \
@@ -129,7 +130,7 @@ def main() -> None:
     )
     parser.add_argument("--quick", action="store_true", help="few models, few cases, no `full`")
     parser.add_argument("--strips", action="store_true", help="strips on half-spaces alone, beside CONTACT")
-    parser.add_argument("--seed", type=int, default=0, metavar="S", help="of the sampled ellipses (0)")
+    parser.add_argument("--seed", type=int, metavar="S", help="of the sampled ellipses (another one at every call)")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="file for the figure")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all data to a file")
     arguments = parser.parse_args()
@@ -139,7 +140,8 @@ def main() -> None:
     machine, began = machine_description(), perf_counter()
     print(machine, flush=True)
     finest, every = (QUICK_REFERENCE, QUICK_EVERY) if arguments.quick else (REFERENCE, EVERY)
-    sampled = sampled_cases(QUICK_SAMPLED if arguments.quick else SAMPLED, arguments.seed)
+    seed = secrets.randbelow(2**31) if arguments.seed is None else arguments.seed
+    sampled = sampled_cases(QUICK_SAMPLED if arguments.quick else SAMPLED, seed)
     against = extrapolated(finest, (*creep_cases(every), *sampled), progress)
     rows: list[Row] = [
         *measured(arguments.quick, against, progress, strips=arguments.strips),
@@ -152,7 +154,7 @@ def main() -> None:
     print(f"\n{against.description()}")
     for task, columns in (("normal", NORMAL), ("rolling", ROLLING), ("wheel", WHEEL)):
         print(table(TITLES[task], columns, [row for row in rows if row["task"] == task]), flush=True)
-    print(f"{notes()}{full_against_condensed(rows)}\n\n{perf_counter() - began:.0f} s in all")
+    print(f"{notes(seed)}{full_against_condensed(rows)}\n\n{perf_counter() - began:.0f} s in all")
     if arguments.json:
         report = {"machine": machine, "quick": arguments.quick, "reference": against.description(), "rows": rows}
         arguments.json.write_text(json.dumps(report, indent=1))

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.special import ellipe, ellipk
 
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
 USUAL_DEPTH = 1e-4  # m, approach of a usual wheel load, for which the strips' widths are chosen
-WIDEST, NARROWEST = 1.0e-3, 0.4e-3  # m, at STRIPS over a usual patch
+WIDEST, NARROWEST = 1.0e-3, 0.25e-3  # m, at STRIPS over a usual patch
 STRIPS = 16
 WIDE = 3.0  # width over length of a patch, beyond which there are more strips
+LONG = 1.5  # length over width of a patch, beyond which there are more cells
 SMOOTHED = 3e-3  # m, length over which the width of the strips varies
 SPACING = 1e-4  # m, of the samples from which widths are taken
 NORMAL_SAMPLES = 400
+SLENDER = 2 / np.pi  # exponent of the ratio of curvatures in that of the semi-axes: Hamrock, Brewe 1983
 
 
 def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: float = 0.0) -> Array:
@@ -28,6 +31,17 @@ def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: floa
     width = _widths(surfaces, s) * STRIPS / strips
     count = np.concatenate([[0.0], np.cumsum(0.5 * (1 / width[1:] + 1 / width[:-1]) * np.diff(s))])
     return np.asarray(np.interp(np.arange(int(count[-1] - offset) + 1) + offset, count, s))
+
+
+def cells_along(surfaces: StripSurfaces, cells: int) -> int:
+    """Cells along a strip for their number along one of a usual patch. On patches that are longer than wide tractions
+    vary over distances of the width near the ends, where cells are smallest: quadrics have more then, as the root.
+    """
+    if isinstance(surfaces, QuadricStrips):
+        along, across = surfaces.semi_axes
+        if along > LONG * across:
+            return int(np.ceil(cells * np.sqrt(along / (LONG * across))))
+    return cells
 
 
 def _uniform(surfaces: QuadricStrips, strips: int, offset: float) -> Array:
@@ -45,13 +59,36 @@ def _uniform(surfaces: QuadricStrips, strips: int, offset: float) -> Array:
     return np.asarray(width * (np.arange(-count - 1, count + 2) + offset))
 
 
-def _widths(surfaces: ProfileStrips, s: Array) -> Array:
-    """Widths (n,) m of strips at s, by the magnitudes of the curvatures of wheel and rail where both have one slope:
+def slenderness(surfaces: StripSurfaces, s: Array) -> Array:
+    """Width (n,) of the undeformed penetration at s over that of the patch, relative to this of a circle; 1 for patches
+    that are wider than long.
+
+    The ratio is that of an ellipse on half-spaces: for a length over width of 5 it is 1.24, of 20 1.48 (Hertz).
+    """
+    if isinstance(surfaces, QuadricStrips):
+        along, across = surfaces.semi_axes
+        ratio = np.full(len(s), across / along)
+    else:
+        assert isinstance(surfaces, ProfileStrips)
+        ratio = (_curvature(surfaces, s) * surfaces.radius) ** -SLENDER
+    ratio = np.clip(ratio, 1e-3, 0.999)
+    m = 1.0 - ratio**2
+    K, E = ellipk(m), ellipe(m)
+    return np.asarray(np.sqrt(0.5 * m * K / (E - ratio**2 * K)))
+
+
+def _curvature(surfaces: ProfileStrips, s: Array) -> Array:
+    """Sum (n,) 1/m of the magnitudes of the curvatures of wheel and rail where both have the slope of the wheel at s:
     where they cancel, the contact is wide but changes over short distances.
     """
     wheel, rail = surfaces.wheel, surfaces.rail
     curvature = np.abs(wheel.curvature(s)) + np.abs(_curvature_by_slope(rail, -_slope(wheel, s)))  # outward is down
-    semi_axis = np.sqrt(2 * USUAL_DEPTH / np.maximum(curvature, 1e-3))
+    return np.asarray(np.maximum(curvature, 1e-3))
+
+
+def _widths(surfaces: ProfileStrips, s: Array) -> Array:
+    """Widths (n,) m of strips at s."""
+    semi_axis = np.sqrt(2 * USUAL_DEPTH / _curvature(surfaces, s))
     width = np.clip(2 * semi_axis / STRIPS, NARROWEST, WIDEST)
     window = np.hanning(2 * int(SMOOTHED / SPACING) + 1)
     half = len(window) // 2

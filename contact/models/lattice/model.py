@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.contact.geometry.strip_lattice import lattice_sides
+from wheelrail.contact.geometry.strip_lattice import cells_along, lattice_sides
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
@@ -26,7 +26,7 @@ from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
 from wheelrail.contact.models.lattice.solver.entry import penetrating
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.system.contact_lines import MARGIN
+from wheelrail.contact.models.lattice.system.contact_lines import MARGIN, strips_apart
 from wheelrail.contact.models.lattice.system.friction import CellFriction
 from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import SurfaceData, surface_data
@@ -44,6 +44,8 @@ SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
 DEEP = 3e-3  # m, approach of a wheel whose failure is due to it: one on the tread carries 5 MN
 START_CELLS = 8, 12, 16, 24  # along a strip, at a start without an earlier result
+MOST_CELLS = 48  # along a strip, in search of a pressure without tension
+TENSION = "the pressure is negative at an end of a strip; more strips may serve"
 ITERATIONS = 25  # from such a start: 99.9 % of random poses need at most 21
 
 
@@ -177,7 +179,12 @@ class LatticeContact:
 
     @cached_property
     def basis(self) -> StripBasis:
-        return strip_basis(self.resolution.cells, self.tangential if self.laws.frictional else "none")
+        return strip_basis(self.cells, self.tangential if self.laws.frictional else "none")
+
+    @cached_property
+    def cells(self) -> int:
+        """Cells along a strip."""
+        return cells_along(self.operators.surfaces, self.resolution.cells)
 
     @cached_property
     def friction(self) -> CellFriction | None:
@@ -187,7 +194,8 @@ class LatticeContact:
     def problem(self, pose: Pose, motion: RigidMotion) -> LatticeProblem:
         """Equations of a pose and motion."""
         margin = MARGIN / 2**self.level  # the approach falls with the square of the width or, of long patches, less
-        return LatticeProblem(self.surface, self.tables, self.basis, self.friction, pose, motion, margin)
+        apart = strips_apart(self.resolution.strips * 2**self.level)
+        return LatticeProblem(self.surface, self.tables, self.basis, self.friction, pose, motion, margin, apart)
 
     def solve(self, problem: LatticeProblem, guess: ContactResult | None = None) -> ContactResult:
         """Result of the equations on the strips of this level, however few of them are loaded."""
@@ -199,6 +207,8 @@ class LatticeContact:
             problem.check_inside()
             solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)
             problem.check_loaded(solution.state.strips)
+            if problem.tensile(solution.state):
+                return self._on_more_cells(problem, solution)
             statistics = Statistics(
                 newton=count.newton,
                 linear=count.linear,
@@ -210,6 +220,21 @@ class LatticeContact:
         except (OutsideSurface, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
             deep = problem.surface.revolves and approach > DEEP
             return ContactResult.failed(f"{TOO_DEEP}: {error}" if deep else str(error), approach)
+
+    def _on_more_cells(self, problem: LatticeProblem, solution: LatticeSolution) -> ContactResult:
+        """Result with twice as many cells along the strips of a solution with tension. Raises NotConverged."""
+        if self.cells > MOST_CELLS // 2:
+            raise NotConverged(TENSION)
+        log.debug("tension on %d cells along a strip", self.cells)
+        result = self.finer.solve(self.finer.problem(problem.pose, problem.motion))
+        return replace(result, warm_start=solution) if result.ok else result
+
+    @cached_property
+    def finer(self) -> LatticeContact:
+        """The model with twice as many cells along the same strips."""
+        model = replace(self, resolution=replace(self.resolution, cells=2 * self.resolution.cells), estimate=False)
+        model.__dict__.update(_tables=self._tables, surface=self.surface)
+        return model
 
     def _from_earlier(
         self, problem: LatticeProblem, guess: ContactResult | None, count: IterationCount
@@ -239,14 +264,14 @@ class LatticeContact:
     @cached_property
     def _block(self) -> int:
         """Unknowns of a strip."""
-        tractions = 2 * self.resolution.cells if self.laws.frictional else 0
+        tractions = 2 * self.cells if self.laws.frictional else 0
         return tractions + len(self.basis.moments)
 
     def _check_size(self, strips: int) -> None:
         """Log memory and time of Newton's method on some strips if they are large. Raises TooLarge."""
         unknowns = strips * self._block
         gigabytes, seconds = MATRICES * 8e-9 * unknowns**2, 2 / 3 * unknowns**3 / SPEED
-        name = f"{strips} strips, {self.resolution.cells} cells along each: {unknowns} unknowns"
+        name = f"{strips} strips, {self.cells} cells along each: {unknowns} unknowns"
         check_memory(name, gigabytes)
         if seconds > LONG:
             log.info("%s: %.2g GB, about %.2g s per Newton step", name, gigabytes, seconds)

@@ -14,8 +14,8 @@ class LatticeResolution:
     Raises ValueError for fewer than 4 strips, or fewer than 6 cells: as many as there are moments of the gap.
     """
 
-    strips: int = 14
-    cells: int = 12
+    strips: int = 12
+    cells: int = 14
 
     def __post_init__(self) -> None:
         if self.strips < LEAST_STRIPS or self.cells < LEAST_CELLS:

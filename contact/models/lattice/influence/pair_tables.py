@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
+from wheelrail.contact.geometry.strip_lattice import slenderness
 from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
 from wheelrail.contact.models.lattice.influence.body_correction import (
     NO_MEANS,
@@ -209,6 +210,11 @@ class LatticeTables:
         assert lower is not None
         place, middle, width, part = strips_on_lines(self.lattice, near, feet)
         return PoseMeans(place, lower.means(middle, width, part, lower.grid.cells_up_to(reach)))
+
+    @cached_property
+    def slenderness(self) -> Array:
+        """See `wheelrail.contact.geometry.strip_lattice.slenderness`, of all strips (K,)."""
+        return slenderness(self.operators.surfaces, self.middle)
 
     @cached_property
     def lattice(self) -> Lattice:

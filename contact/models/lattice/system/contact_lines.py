@@ -20,7 +20,8 @@ from wheelrail.contact.models.lattice.system.surface import (
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import borrowing, compiled
 
-BETWEEN = 4  # strips between those at which the penetration is estimated first
+APART = 2 / 7  # of a usual patch's width: distance of the strips at which the penetration is estimated first
+MOST_APART = 4  # strips
 MARGIN = 3e-4  # m, by which it may be larger in between, and largest gap that displacements may close: ordinary strips
 
 
@@ -59,21 +60,32 @@ class ContactLines(NamedTuple):
     speed: float
 
 
+def strips_apart(strips: int) -> int:
+    """Distance, in strips, of those at which the penetration is estimated first; strips: over a usual patch."""
+    return min(max(round(APART * strips), 1), MOST_APART)
+
+
 @compiled
-def contact_lines(surface: SurfaceData, motion: Motion, lattice: Lattice, margin: float) -> ContactLines:
-    """`ContactLines` of the strips of a lattice; margin m, largest gap between strips that matter."""
+def contact_lines(surface: SurfaceData, motion: Motion, lattice: Lattice, margin: float, apart: int) -> ContactLines:
+    """`ContactLines` of the strips of a lattice.
+
+    Parameters:
+        surface, motion, lattice: of both bodies.
+        margin: m, largest gap between strips that matter.
+        apart: see `strips_apart`.
+    """
     middle, width = lattice.middle, lattice.width
     K = len(middle)
     depth, x, curvature = np.full(K, -np.inf), np.zeros(K), np.ones(K)
-    count = (K + BETWEEN - 2) // BETWEEN + 1
+    count = (K + apart - 2) // apart + 1
     probes = np.empty(count, dtype=np.int64)
     for k in range(count):
-        probes[k] = min(k * BETWEEN, K - 1)
+        probes[k] = min(k * apart, K - 1)
     close = crests(surface, motion.origin, motion.rotation, middle[probes])[0].depth > -margin
     own = np.zeros(K, dtype=np.bool_)
     for k in range(count):
         if close[k]:
-            own[max(probes[k] - BETWEEN, 0) : probes[k] + BETWEEN + 1] = True
+            own[max(probes[k] - apart, 0) : probes[k] + apart + 1] = True
     inside = np.flatnonzero(own)
     closest, crest, bend = crests(surface, motion.origin, motion.rotation, middle[inside])
     s, along = np.empty(2 * len(inside)), np.empty(2 * len(inside))

@@ -59,6 +59,7 @@ class LatticeProblem:
         law: of friction; None without.
         pose, motion: of the bodies.
         margin: m, largest gap that displacements may close.
+        apart: strips between those at which the penetration is estimated first.
     """
 
     surface: SurfaceData
@@ -68,6 +69,7 @@ class LatticeProblem:
     pose: Pose
     motion: RigidMotion
     margin: float = MARGIN
+    apart: int = 1
 
     @property
     def rolls(self) -> bool:
@@ -101,7 +103,7 @@ class LatticeProblem:
     @cached_property
     def lines(self) -> ContactLines:
         """Where the strips touch."""
-        return contact_lines(self.surface, self._motion, self.tables.lattice, self.margin)
+        return contact_lines(self.surface, self._motion, self.tables.lattice, self.margin, self.apart)
 
     @cached_property
     def _motion(self) -> Motion:
@@ -187,6 +189,10 @@ class LatticeProblem:
         places = self.places(state.strips)
         gaps = [opening(*strip)[0] for strip in zip(state.load, places.onset, places.whole, strict=True)]
         return np.array(gaps)
+
+    def tensile(self, state: LatticeState) -> bool:
+        """Whether the mean pressure over a cell is negative, as with few cells along a strip it may be at an end."""
+        return bool((state.modes @ self.basis.mean.T).min() < 0.0)
 
     @cached_property
     def _means(self) -> PoseMeans:

@@ -10,7 +10,7 @@ from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.support.arrays import Array, Mask, Nodes
 from wheelrail.support.compiled import borrowing, compiled
 
-SHORTEST = 0.02  # of the squared half length: the least that remains of it after one step
+SHORTEST = 0.02  # of the squared half length, or of the load: the least that remains of it after one step
 LARGE = 0.5  # step after which a negative load or squared length is no reason to leave
 VANISHED = 5e-3  # half length over the largest one: of a penetration of some 1e-5 of the approach
 LONGEST = 3.0  # largest relative growth of a squared half length in one step
@@ -97,7 +97,11 @@ def moved(values: Array, step: Array, factor: float, whole: Array) -> Array:
 
 @borrowing
 def _remaining(factor: float, load: float, whole: float) -> float:
-    """Factor of a load that touches on the whole width: its square root falls where it ends up below that."""
+    """Factor of a load that touches on the whole width: its square root falls where it ends up below that. Where the
+    penetration does not vary across, whole is zero, and at least `SHORTEST` of the load remains.
+    """
+    if whole == 0.0:
+        return max(factor, SHORTEST)
     if load * factor >= whole:
         return factor
     root = 0.5 + 0.5 * max(load * factor / whole, -1.0)

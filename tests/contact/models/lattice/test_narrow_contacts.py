@@ -18,7 +18,7 @@ from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice import levels
 from wheelrail.contact.models.lattice.bulk_displacement import NONE, BulkDisplacement
-from wheelrail.contact.models.lattice.levels import ENOUGH, LEAST, ORDINARY, LevelSolutions, level_shares
+from wheelrail.contact.models.lattice.levels import ENOUGH, ORDINARY, LevelSolutions, least_strips, level_shares
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
@@ -59,7 +59,8 @@ def across(problem: LatticeProblem) -> tuple[float, Array]:
     """Strips across the penetration, and their derivative by the pose."""
     at = motion_data(problem.pose, problem.motion, 1.0)
     lattice = problem.surface, at.origin, at.rotation, NONE, problem.middle, problem.width
-    number, slopes = penetrated_width(*lattice, *maxima(*lattice, problem.depth), True)
+    counted = *lattice[:-1], problem.width * problem.tables.slenderness
+    number, slopes = penetrated_width(*counted, *maxima(*lattice, problem.depth), True)
     return number, slopes[:6]
 
 
@@ -91,7 +92,7 @@ def test_force_follows_the_power_law_of_the_approach() -> None:
     model = replace(ellipse(radii), tolerance=1e-9)
     approach = exact(radii, 9e3).approach * np.geomspace(0.05, 1.0, 150)
     results = [model(hertz_pose(d), flowing()) for d in approach]
-    assert {levels_of(result) for result in results} == {(0,), (0, 1), (1,), (1, 2), (2,)}
+    assert {(0,), (0, 1), (1,), (1, 2), (2,)} <= {levels_of(result) for result in results}
     force = np.array([result.force[2] for result in results])
     ratio = force / force[-1] * (approach[-1] / approach) ** 1.5
     np.testing.assert_allclose(ratio, 1.0, atol=5e-3)
@@ -101,14 +102,14 @@ def test_force_follows_the_power_law_of_the_approach() -> None:
     assert trapezoids.sum() == pytest.approx(force[-1] - force[0], rel=1e-3)
 
 
-@pytest.mark.parametrize("bound", [LEAST, ENOUGH])
+@pytest.mark.parametrize("bound", [1.0, ENOUGH])
 def test_level_changes_without_a_step(bound: float) -> None:
     """Where the share of a level reaches 0 or 1, force and tangent are the same on both sides."""
     radii = 0.46, 0.30
     model = replace(ellipse(radii), tolerance=1e-10)
 
     def excess(approach: float) -> float:
-        return across(model.problem(hertz_pose(approach), flowing()))[0] - bound * model.resolution.strips
+        return across(model.problem(hertz_pose(approach), flowing()))[0] - bound * least_strips(model.resolution.strips)
 
     low, high = (exact(radii, load).approach for load in (1e3, HEAVY))
     for _ in range(60):
