@@ -1,0 +1,113 @@
+"""Contacts that few strips or cells must not lose, and pressure without tension on them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from wheelrail.contact.geometry.strip_lattice import cells_along
+from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
+from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.builders import wheel_rail_pair
+from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.contact.models.lattice import model as lattice_model
+from wheelrail.contact.models.lattice.influence.basis import MODES
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.models.lattice.system.state import LatticeState, moved
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.meshes.profiles.named import named_profile
+
+SPEED, RADIUS = 20.0, 0.46
+
+
+@cache
+def wheelset(strips: int, cells: int, friction: float) -> WheelsetContact:
+    rail = named_profile("UIC60-benchmark")
+    how = Discretisation(1e-3, bodies="half-space", strips=strips, cells=cells)
+    profiles, steels = (named_profile("S1002"), rail), (Material(), Material())
+    model = wheel_rail_pair(profiles, RADIUS, steels, ContactLaws(friction=friction), how)
+    return WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), RADIUS))
+
+
+def at(y: float, z: float) -> WheelsetState:
+    return WheelsetState(y=y, z=z, speed=SPEED, pitch_rate=SPEED / RADIUS)
+
+
+def solved(contact: WheelsetContact, z: float) -> ContactResult:
+    return contact(at(9.4e-3, z), "left")
+
+
+def test_a_sharp_flange_contact_is_found_on_four_strips() -> None:
+    """Its force falls to zero as on 14 strips; until 2026-11-26 four of these heights were separated."""
+    few, many = wheelset(4, 6, 0.0), wheelset(14, 12, 0.0)
+    heights = 7.94e-3 - np.array([0.0, 3e-5, 6e-5, 8e-5, 1e-4, 1.4e-4, 1.8e-4, 2.2e-4])
+    forces = np.array([[solved(contact, z).force[2] for contact in (few, many)] for z in heights])
+    assert np.all((forces[:, 0] > 0) == (forces[:, 1] > 0))
+    assert (forces[:, 0] > 0).sum() >= 5
+    np.testing.assert_allclose(*forces.T, atol=0.01 * forces.max())
+
+
+def test_a_load_that_must_not_fall_to_zero() -> None:
+    """Where the penetration does not vary across, a full step that makes the load negative leaves a part of it: from no
+    load the next step divided by zero.
+    """
+    whole = np.zeros(1)
+    values = np.array([[1e8, 0.0, 0.0, 0.0, -1e-3, 1e-3]])
+    step = np.array([[-3e8, 0.0, 0.0, 0.0, 0.0, 0.0]])
+    for _ in range(2):
+        values = moved(values, step, 1.0, whole)
+        assert values[0, -2 - MODES] > 0
+        assert np.isfinite(values).all()
+
+
+def test_tension_is_solved_on_more_cells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A solution with tension is replaced by that on twice as many cells, and is the start at the next pose."""
+    contact, tensile = wheelset(6, 6, 0.3), LatticeProblem.tensile
+
+    def coarse(problem: LatticeProblem, state: LatticeState) -> bool:
+        return problem.cells == 6 or tensile(problem, state)
+
+    state = at(2e-3, -1.5e-4)
+    six, twelve = contact(state, "left"), wheelset(6, 12, 0.3)(state, "left")
+    monkeypatch.setattr(LatticeProblem, "tensile", coarse)
+    found = contact(state, "left")
+    assert found.fields is not None
+    assert twelve.fields is not None
+    assert found.fields.pressure.min() >= 0
+    np.testing.assert_allclose(found.force, twelve.force, rtol=1e-6)
+    assert not np.allclose(found.force, six.force, rtol=1e-6)
+    again = contact(state, "left", found)
+    np.testing.assert_allclose(again.force, found.force, rtol=1e-6)
+    expected = wheelset(6, 12, 0.3).tangent(state, "left", twelve)
+    np.testing.assert_allclose(contact.tangent(state, "left", found), expected, atol=1e-5 * np.abs(expected).max())
+    monkeypatch.setattr(LatticeProblem, "tensile", lambda *_: True)
+    monkeypatch.setattr(lattice_model, "MOST_CELLS", 12)
+    assert contact(state, "left").status == f"failed: {lattice_model.TENSION}"
+
+
+def test_tension_of_cells_is_found() -> None:
+    """A semi-ellipse tilted by more than its mean is negative at one end."""
+    contact = wheelset(6, 6, 0.0)
+    problem = contact.model.problem(*contact.mounting.left_pair(at(2e-3, -1.5e-4)))
+    strips, ends = np.array([3]), [-1e-3, 1e-3]
+    upright, tilted = (LatticeState(strips, np.array([[1e9, tilt, 0.0, 0.0, *ends]])) for tilt in (4e8, -8e8))
+    assert not problem.tensile(upright)
+    assert problem.tensile(tilted)
+
+
+@pytest.mark.parametrize("ratio", [0.2, 1.0, 1.4])
+def test_round_and_wide_patches_have_the_cells_asked_for(ratio: float) -> None:
+    assert cells_along(patch(ratio), 14) == 14
+
+
+def test_patches_along_the_track_have_more_cells() -> None:
+    assert cells_along(patch(6.0), 14) == 28
+
+
+def patch(ratio: float) -> QuadricStrips:
+    return QuadricStrips((0.46, np.inf), (np.inf, 0.3), 1e-2, (ratio * 1e-3, 1e-3))
