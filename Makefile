@@ -13,7 +13,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
 DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
 
-.PHONY: run test lint suite notebooks docs test-debian clean
+.PHONY: run test lint suite notebooks docs test-debian test-kernels clean
 
 run: $(VENV)/ready
 	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
@@ -40,6 +40,10 @@ suite: $(VENV)/ready-to-test
 notebooks: $(VENV)/ready-for-notebooks
 	$(PY) -m jupytext --quiet --update --to ipynb notebooks/*.py
 	$(PY) -m jupyterlab --notebook-dir=notebooks $(if $(filter 0,$(shell id -u)),--allow-root) $(LAB)
+
+# The same on an old processor: OpenBLAS's first kernels, and loops without later instructions, compiled anew for minutes.
+test-kernels: $(VENV)/ready-to-test
+	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
 
 docs: $(VENV)/ready-to-test
 	DOCS_NOTEBOOKS=cache $(PY) -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs

@@ -70,7 +70,8 @@ class Contact(SceneTable):
     degree: of the displacements; 1 for solids by default.
     points: "lattice" (strips fixed on the wheel that end at the patch edge, the default for the exact normal law unless
         bodies are solid), or "grid", not available for half-spaces.
-    strips, cells: of a lattice, over the width of a usual patch and along a strip; None is the default of `LatticeResolution`.
+    strips, cells: of a lattice, over the width of a usual patch and along a strip; by default those of
+        `LatticeResolution`.
     slip_order: order of the upstream difference formula of the slip on a grid.
     stiffness_per_area: penalty, N/m3; regularisation: creepage; normal_law: a table with a normal law in place of the
         linear penalty.

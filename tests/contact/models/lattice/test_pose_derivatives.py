@@ -1,4 +1,4 @@
-"""Derivative of the residual by pose and motion at fixed unknowns, against its differences."""
+"""Derivative of the residual by pose and motion at fixed unknowns, integrated, against changes of the residual."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
+from scipy.special import roots_legendre
 from test_lattice import ellipse, exact, flowing, rolling, wheelset
 from test_tangent import nudged
 
@@ -20,8 +21,9 @@ from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.equations import SLOPES, Evaluation
 from wheelrail.support.arrays import Array
 
-STEPS = np.repeat([3e-7, 1e-6, 1e-5, 1e-5], 3)  # m, rad, m/s, rad/s
-ERROR = 2e-4  # of the differences, of the largest one with the same unit
+PATHS = np.repeat([2e-6, 2e-6, 1e-3, 1e-3], 3)  # m, rad, m/s, rad/s, to both sides
+PLACES, WEIGHTS = roots_legendre(5)
+ERROR = 1e-4  # of the changes, of the largest one with the same unit
 
 
 def full(evaluation: Evaluation, cells: int) -> Array:
@@ -33,28 +35,42 @@ def full(evaluation: Evaluation, cells: int) -> Array:
 def check(
     model: LatticeContact, pose: Pose, motion: RigidMotion, columns: tuple[int, ...] = tuple(range(CHANGES))
 ) -> None:
-    """With unit slopes the residual of friction is the slip, which has no corners."""
+    """The derivative, integrated along a path, is the change of the residual between its ends: it bends where places
+    pass from piece to piece.
+
+    With unit slopes the residual of friction is the slip, which has no corners. It is a second difference over cells,
+    with the same round-off of the displacement on all strips, and counts by the square of their lengths: as it is, last
+    bits on a strip of 0.1 mm, which the kernels of OpenBLAS decide, were 1e-3 of the largest slope.
+    """
     problem = model.problem(pose, motion)
     solution = model.solve(problem).warm_start
     assert isinstance(solution, LatticeSolution)
     state, M = solution.state, problem.cells if problem.rolls else 0
     slopes = np.zeros((len(state.strips), M, SLOPES))
     slopes[..., 4] = slopes[..., 7] = 1.0
-    places = problem.lines, problem.tables.lattice, problem.tables.lines
-    found = residual_changes(state.values, problem.of(state.strips), *places, slopes)
-    found = found.reshape(*state.values.shape, CHANGES)
+
+    def derivative(change: Array) -> Array:
+        at = model.problem(*nudged(pose, motion, change))
+        places = at.lines, at.tables.lattice, at.tables.lines
+        found = residual_changes(state.values, at.of(state.strips), *places, slopes)
+        return found.reshape(*state.values.shape, CHANGES)
+
+    size = np.ones((*state.values.shape, 1))
+    size[:, : 2 * M] *= ((state.half / state.half.max()) ** 2)[:, None, None]
     for unit in np.reshape(np.arange(CHANGES), (4, 3)):
         if not set(unit) <= set(columns):
             continue
-        changes = []
+        changes, integrals = [], []
         for j in unit:
-            change = STEPS[j] * np.eye(CHANGES)[j]
-            ahead, behind = (model.problem(*nudged(pose, motion, sign * change)).evaluate(state) for sign in (1, -1))
-            changes.append((full(ahead, M) - full(behind, M)) / (2 * STEPS[j]))
-        expected = np.stack(changes, axis=-1)
+            path = PATHS[j] * np.eye(CHANGES)[j]
+            ahead, behind = (model.problem(*nudged(pose, motion, sign * path)).evaluate(state) for sign in (1, -1))
+            changes.append((full(ahead, M) - full(behind, M)) / (2 * PATHS[j]))
+            parts = zip(PLACES, WEIGHTS, strict=True)
+            integrals.append(sum(0.5 * weight * derivative(place * path)[..., j] for place, weight in parts))
+        expected, found = size * np.stack(changes, axis=-1), size * np.stack(integrals, axis=-1)
         for rows in (slice(0, 2 * M), slice(2 * M, None)):
             scale = np.abs(expected[:, rows]).max(initial=1e-9)
-            np.testing.assert_allclose(found[:, rows][..., unit], expected[:, rows], rtol=0, atol=ERROR * scale)
+            np.testing.assert_allclose(found[:, rows], expected[:, rows], rtol=0, atol=ERROR * scale)
 
 
 @pytest.mark.parametrize("bodies", ["half-space", "waveguide"])
