@@ -233,7 +233,7 @@ def test_patches_and_fields_between_levels_carry_the_force(between: tuple[Pose, 
     assert levels[1].tables is not levels[0].tables
 
 
-@pytest.mark.parametrize("load", [295.0, 2475.0])
+@pytest.mark.parametrize("load", [477.0, 4004.0])
 def test_stress_between_levels(load: float) -> None:
     """Below a circle, closed form; on the axis at 0.1 to 1.5 of its radius within 1.5 % of the peak pressure."""
     radii = 0.3, 0.3
@@ -276,7 +276,7 @@ def test_resumed_solves_between_levels_are_the_same(between: tuple[Pose, Contact
     np.testing.assert_allclose(resumed.force, cold.force, rtol=1e-6)
 
 
-@pytest.mark.parametrize("strips", [6, 14])
+@pytest.mark.parametrize("strips", [10, 14])
 def test_wide_contacts_need_no_exact_width(strips: int, monkeypatch: pytest.MonkeyPatch) -> None:
     def refused(*_: object) -> NoReturn:
         raise AssertionError("an exact width is computed")
