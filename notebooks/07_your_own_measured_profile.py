@@ -176,31 +176,36 @@ for name in contacts:
     print(f"{name}: {peak[name]:.0f} MPa, {area[name]:.0f} mm2")
 
 # %% [markdown]
-# ## Rejected files
+# ## Other conventions, and rejected files
 #
-# Most errors in profile files are wrong units or signs. The reader rejects inconsistent files before any computation;
-# the error names file, line, value and the allowed range.
+# Units, signs, separators and the origin are recognised, single points out of order are left out, and both are
+# reported. A file that cannot be understood is rejected before any computation; the error names file, line, value and
+# the allowed range.
 
 # %%
 columns = 1e3 * exact
 swapped = columns.copy()
 swapped[[300, 301]] = swapped[[301, 300]]
-invalid = {"metres": 1e-3 * columns, "mirrored": columns * (-1, 1), "upside_down": columns * (1, -1)}
-invalid |= {"swapped_lines": swapped, "few": columns[:5], "not_a_number": np.where(columns > 59.0, np.nan, columns)}
-rejected = {}
-for name, points in invalid.items():
+missing = columns.copy()
+missing[300] = -9999.0
+shuffled = np.random.default_rng(1).permutation(columns)
+others = {"metres": 1e-3 * columns, "upside_down": columns * (1, -1), "swapped_lines": swapped}
+invalid = {"missing": missing, "few": columns[:5], "shuffled": shuffled}
+understood, rejected = {}, {}
+for name, points in {**others, **invalid}.items():
     file = folder / f"{name}.csv"
     file.write_text("\n".join(f"{y:.6f}, {z:.6f}" for y, z in points))
     try:
-        wr.profile(file, "wheel")
+        understood[name] = wr.profile(file, "wheel")
+        print(f"{name}:", *understood[name].measurement.convention, *understood[name].measurement.remarks, sep=" | ")
     except ValueError as error:
         rejected[name] = str(error).replace(f"{folder}/", "")
         print(rejected[name])
 
 # %%
 assert rejected.keys() == invalid.keys()
-assert "look like metres" in rejected["metres"]
-assert "flange lies at positive y" in rejected["mirrored"]
+assert understood.keys() == others.keys()
+assert "line 301: y = -9999" in rejected["missing"]
 assert deviation["smooth"] < 0.01 * deviation["raw"]
 assert deviation["smooth"] < 1.5
 assert np.abs(truth.closest(worn.point(s)).distance).max() < 10e-6

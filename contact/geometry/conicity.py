@@ -15,7 +15,7 @@ ROUNDING = 1e-9  # of an amplitude that is as large as the positions reach
 
 
 def equivalent_conicity(y: Array, difference: Array, amplitude: Array, *, base: float, radius: float) -> Array:
-    """Equivalent conicity (m,), NaN where the wheelset does not oscillate, and for amplitudes beyond y.
+    """Equivalent conicity (m,) at amplitudes; 0 where the wheelset does not swing, NaN beyond y.
 
     Parameters:
         y: (n,) m, lateral positions, increasing; from 0 on for a difference that is odd in y.
@@ -28,21 +28,25 @@ def equivalent_conicity(y: Array, difference: Array, amplitude: Array, *, base: 
     y'' + dr(y) / (e r0) = 0, here from its energy. Where the sides differ, the motion is not about y = 0: its ends are
     positions of equal potential.
     """
-    if y[0] == 0.0:
+    odd = y[0] == 0.0
+    if odd:
         y, difference = np.concatenate([-y[:0:-1], y]), np.concatenate([-difference[:0:-1], difference])
     potential = Potential.of(y, difference / (base * radius))
     nodes, weights = roots_legendre(POINTS)
     angle, weight = 0.5 * np.pi * nodes, 0.5 * np.pi * weights
     conicity = np.full(len(amplitude), np.nan)
     for k, half in enumerate(amplitude.tolist()):
-        middle = potential.middle(half) if half > 0.0 else None
-        if middle is None:
+        if not 0.0 < half <= 0.5 * np.ptp(y) * (1.0 + ROUNDING):
             continue
-        kinetic = potential(np.array([middle + half])) - potential(middle + half * np.sin(angle))
-        if not (kinetic > 0.0).all():
-            continue
-        half_wave = float(weight @ (half * np.cos(angle) / np.sqrt(2.0 * kinetic)))
-        conicity[k] = 2.0 * base * radius * (np.pi / (2.0 * half_wave)) ** 2
+        middles = [0.0] if odd else potential.middles(half)
+        for middle in sorted(middles, key=abs):
+            kinetic = potential(np.array([middle + half])) - potential(middle + half * np.sin(angle))
+            if (kinetic > 0.0).all():
+                half_wave = float(weight @ (half * np.cos(angle) / np.sqrt(2.0 * kinetic)))
+                conicity[k] = 2.0 * base * radius * (np.pi / (2.0 * half_wave)) ** 2
+                break
+        else:
+            conicity[k] = 0.0 if middles else np.nan
     return conicity
 
 
@@ -71,18 +75,17 @@ class Potential:
         slope = (self.force[i + 1] - self.force[i]) / (self.y[i + 1] - self.y[i])
         return np.asarray(self.value[i] + t * (self.force[i] + 0.5 * t * slope))
 
-    def middle(self, half: float) -> float | None:
-        """Middle m of the motion of an amplitude m, both of whose ends have the same potential; None beyond y."""
+    def middles(self, half: float) -> list[float]:
+        """Middles m of the motions of an amplitude m whose ends have the same potential; none beyond y."""
         low, high = float(self.y[0]) + half, float(self.y[-1]) - half
+        nodes = np.concatenate([self.y - half, self.y + half, [low, high]])
+        at = np.unique(nodes[(nodes >= low) & (nodes <= high)])
 
-        def excess(middle: float) -> float:
-            first, last = self(np.array([middle - half, middle + half]))
-            return float(last - first)
+        def excess(middle: Array) -> Array:
+            return self(middle + half) - self(middle - half)
 
-        if high - low < ROUNDING * half:
-            at = 0.5 * (low + high)
-            ends = low - high < ROUNDING * half and abs(excess(at)) < ROUNDING * float(np.ptp(self.value))
-            return at if ends else None
-        if excess(low) * excess(high) > 0.0:
-            return None
-        return float(brentq(excess, low, high, xtol=1e-15))
+        signs = np.sign(excess(at))
+        found: list[float] = at[signs == 0.0].tolist()
+        for i in np.flatnonzero(signs[1:] * signs[:-1] < 0.0):
+            found.append(brentq(lambda m: float(excess(np.array([m]))[0]), at[i], at[i + 1], xtol=1e-15))
+        return found

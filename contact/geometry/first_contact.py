@@ -127,6 +127,26 @@ def first_contacts(wheelset: RigidWheelset, state: WheelsetState) -> tuple[Wheel
     raise ValueError(f"y = {state.y:.6g} m: no height and roll found at which both wheels touch the rails")
 
 
+def contact_without_roll(wheelset: RigidWheelset, y: float) -> FirstContact:
+    """Contact point of the left wheel, lowered alone until it just touches, without roll and yaw.
+
+    Parameters:
+        wheelset: rigid surfaces and mounting of the left-hand pair.
+        y: lateral position of the wheelset, m.
+
+    Raises ValueError without solution.
+    """
+    state = WheelsetState(y=y)
+    for _ in range(ITERATIONS):
+        contact = contact_point(wheelset.pair, wheelset.mounting, state)
+        if abs(contact.penetration - TOUCH) < TOLERANCE:
+            return contact
+        if contact.normal[2] < LEAN:
+            break
+        state = replace(state, z=state.z + (contact.penetration - TOUCH) / float(contact.normal[2]))
+    raise ValueError(f"y = {y:.6g} m: no height found at which the wheel touches the rail")
+
+
 def _gradient(mounting: Mounting, state: WheelsetState, contact: FirstContact) -> tuple[float, float]:
     """Derivative of a left pair's penetration by height [1] and roll [m/rad] at the fixed contact point."""
     centre = mounting.centre(state) - np.array([0.0, mounting.rail_y, 0.0])

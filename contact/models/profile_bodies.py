@@ -52,20 +52,18 @@ class ProfileBodies:
             ("the wheel", wheel_outline(wheel_profile, self.radius), wheel_contact_range(wheel_profile)),
             ("the rail", rail_outline(rail_profile), rail_contact_range(rail_profile)),
         ):
-            strip = Strip.over(outline, ends, half_length=half_length, size=how.surface_size)
+            strip = Strip.over(outline.surface_range, ends, half_length=half_length, size=how.surface_size)
             check_surface(body, 2 * strip.half_cells + 1, strip.cells + 1, how)
 
     def half_space_strips(self, how: Discretisation) -> StripOperators:
         return StripOperators(self._strips, *self._half_spaces(how.surface_size))
 
     def _half_spaces(self, size: float) -> Iterator[HalfSpaceInfluence]:
-        wheel_profile, rail_profile = self.profiles
-        for outline, ends, material in (
-            (wheel_outline(wheel_profile, self.radius), wheel_contact_range(wheel_profile), self.materials[0]),
-            (rail_outline(rail_profile), rail_contact_range(rail_profile), self.materials[1]),
+        for profile, ends, material in zip(
+            self.profiles, (wheel_contact_range, rail_contact_range), self.materials, strict=True
         ):
-            arc = Strip.over(outline, ends, half_length=size, size=size).arc
-            yield HalfSpaceInfluence.under(outline.surface(arc), arc, material)
+            arc = Strip.over(profile.s_range, ends(profile), half_length=size, size=size).arc
+            yield HalfSpaceInfluence.under(profile.point(arc), arc, material)
 
     def waveguide_strips(self, how: Discretisation) -> StripOperators:
         return StripOperators(

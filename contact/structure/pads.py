@@ -112,7 +112,7 @@ def rail_compliance(outline: Outline, steel: Material, pads: RailPads) -> RailCo
 
 def rail_strip(outline: Outline) -> Strip:
     """Running surface of a rail, over which rigid motions of its section are fitted."""
-    return Strip.over(outline, rail_contact_range(outline.profile), half_length=SIZE, size=SIZE)
+    return Strip.over(outline.surface_range, rail_contact_range(outline.profile), half_length=SIZE, size=SIZE)
 
 
 def rail_key(kind: str, outline: Outline, steel: Material, pads: RailPads, **further: Any) -> str:

@@ -48,7 +48,7 @@ def rim_compliance(outline: Outline, steel: Material) -> RimCompliance:
         outline: of the wheel.
         steel: material.
     """
-    strip = Strip.over(outline, wheel_contact_range(outline.profile), half_length=SIZE, size=SIZE)
+    strip = Strip.over(outline.surface_range, wheel_contact_range(outline.profile), half_length=SIZE, size=SIZE)
     section = body_key("wheel section", outline, strip, 0.0, "tetrahedron", GRADING)
     key = digest(kind="rim of a wheel", section=section, E=steel.E, nu=steel.nu)
     stored = cached(f"rims/{key}", lambda: _harmonics(outline, strip, steel), ("rim", "misfit"))

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wheelrail.meshes.bodies.wheel_web import WheelShape
+from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
 HEIGHT = 172.0  # mm, of the 60E1 section
 SNAP = 2e-4  # m; corners of the boundary closer than this to an end of the profile are replaced by it
 MISFIT = 8e-3  # m; largest distance of a rail profile's end from the standard section: heavy wear, not another rail
+SMALLEST_RADIUS = 0.013  # m, of the arcs of the standard head
 
 # Right half of 60E1 from the lower end of the flank to the axis, mm: x from the axis, height above the underside,
 # centre of the preceding arc (None: a line) and its sense. EN 13674-1; fillets of 35 and 7 mm between web and faces.
@@ -92,16 +94,20 @@ def rail_outline(profile: Profile, *, chord_error: float = 5e-5) -> Outline:
         chord_error: largest distance of the polyline of web and foot from its arcs, m.
 
     The profile is used down to the lower end of the flank, 35.3 mm below the crown; one that ends higher is continued
-    by a straight line. Raises ValueError if an end of the profile is more than 8 mm from the standard flank.
+    by a straight line, or farther from the flank by the standard head. Raises ValueError if an end of the profile is
+    more than 8 mm from the standard section.
     """
     if profile.kind != "rail":
         raise ValueError(f"{profile.name} is a {profile.kind}, not a rail")
     right = np.array(_lower_boundary(chord_error / 1e-3))
     section = np.concatenate([right, right[::-1] * (-1.0, 1.0)])
     boundary = profile.placement((section - (0.0, HEIGHT)) * 1e-3)
-    stop, start = _end(profile, boundary[0], 1), _end(profile, boundary[-1], -1)
+    (stop, field), (start, gauge) = (
+        _end(profile, boundary[end], side, chord_error) for end, side in ((0, 1), (-1, -1))
+    )
+    boundary = np.concatenate([field, boundary, gauge[::-1]])
     boundary, dropped = _joined(boundary, profile.point(stop), profile.point(start))
-    foot = len(right) - 1 - dropped
+    foot = len(field) + len(right) - 1 - dropped
     return Outline(profile, (start, stop), boundary, (foot, foot + 1))
 
 
@@ -190,17 +196,35 @@ def _lower_boundary(chord_error: float) -> list[tuple[float, float]]:
     return points
 
 
-def _end(profile: Profile, corner: Array, side: int) -> float:
-    """Arc length m at which the profile ends and the boundary, whose first point is corner, starts."""
-    s = profile.closest(corner[None]).s[0]
+def _end(profile: Profile, corner: Array, side: int, chord_error: float) -> tuple[float, Array]:
+    """Arc length m at which the profile ends, and points (n, 2) m of the standard head from there to the boundary.
+
+    Parameters:
+        profile: of the inclined rail.
+        corner: (2,) m, first point of the boundary.
+        side: 1 for the field side, -1 for the gauge side.
+        chord_error: as for `rail_outline`.
+    """
+    s = float(profile.closest(corner[None]).s[0])
     gap = profile.point(s) - corner
-    if s * side < 0.0 or abs(gap[0]) > MISFIT:
+    if s * side >= 0.0 and abs(gap[0]) <= MISFIT:
+        return s, np.empty((0, 2))
+    s = profile.s_range[1 if side > 0 else 0]
+    head = named_profile("60E1")
+    spacing = float(np.sqrt(8.0 * SMALLEST_RADIUS * chord_error))
+    standard = profile.placement(
+        head.point(head.samples(spacing, start=0.0) if side > 0 else head.samples(spacing, stop=0.0)[::-1])
+    )
+    distance = np.hypot(*(standard - profile.point(s)).T)
+    nearest = int(np.argmin(distance))
+    if distance[nearest] > MISFIT:
         where = "field" if side > 0 else "gauge"
         raise ValueError(
-            f"rail {profile.name} ends {1e3 * abs(gap[0]):.1f} mm from the standard section on the {where} side; "
-            f"allowed: {1e3 * MISFIT:g} mm"
+            f"rail {profile.name} ends {1e3 * distance[nearest]:.1f} mm from the standard section on the {where} side; "
+            f'allowed: {1e3 * MISFIT:g} mm, to which the inclination of its file may be given, or bodies = "half-space"'
         )
-    return float(s)
+    beyond = np.arange(len(standard)) > nearest
+    return s, standard[beyond & (distance > SNAP)][:-1]
 
 
 def _joined(boundary: Array, first: Array, last: Array) -> tuple[Array, int]:

@@ -102,18 +102,20 @@ class Strip:
         return np.asarray(self.start + np.arange(self.cells + 1) * self.size)
 
     @classmethod
-    def over(cls, outline: Outline, ends: tuple[float, float], *, half_length: float, size: float) -> Strip:
+    def over(
+        cls, surface_range: tuple[float, float], ends: tuple[float, float], *, half_length: float, size: float
+    ) -> Strip:
         """Strip over the part of a running surface between two arc lengths of the profile.
 
         Parameters:
-            outline: of the body.
-            ends: arc lengths, m.
+            surface_range: arc lengths of the ends of the surface, m.
+            ends: arc lengths of the ends of the part, m.
             half_length: along the rolling direction, m.
             size: of the cells, m.
 
         The number of cells is even, for tetrahedra and hexahedra alike.
         """
-        low, high = outline.surface_range
+        low, high = surface_range
         start, stop = max(ends[0], low + size), min(ends[1], high - size)
         return cls(start, 2 * int((stop - start) / size / 2), int(np.ceil(half_length / size)), size)
 
@@ -152,7 +154,7 @@ def rail(
         cell: element type.
         grading: of the element sizes.
     """
-    strip = Strip.over(outline, rail_contact_range(outline.profile), half_length=HALF_PATCH, size=size)
+    strip = Strip.over(outline.surface_range, rail_contact_range(outline.profile), half_length=HALF_PATCH, size=size)
     key = body_key("rail", outline, strip, half_length, cell, grading)
     return stored(key, lambda: _extruded(outline, strip, half_length, cell, grading)), strip, key
 
@@ -171,7 +173,7 @@ def wheel(
 
     In the wheel's frame: the axle along y through the origin, the middle of the sector at the bottom.
     """
-    strip = Strip.over(outline, wheel_contact_range(outline.profile), half_length=HALF_PATCH, size=size)
+    strip = Strip.over(outline.surface_range, wheel_contact_range(outline.profile), half_length=HALF_PATCH, size=size)
     key = body_key("wheel", outline, strip, half_length, cell, grading)
     radius = outline.offset[1]
     return (

@@ -87,7 +87,9 @@ def _smoothed(part: Complex, length: Array, noise: float) -> CurveSegment:
 
         tangent = velocity(length)
         normal_residual = ((position(length) - part) * tangent.conj()).imag / np.abs(tangent)
-        return CurveSegment(position, velocity, length), float(np.sqrt(np.mean(normal_residual**2)))
+        running = np.abs(tangent.real) > np.abs(tangent.imag)  # noise may be vertical
+        counted = normal_residual[running] if 2 * running.sum() > len(running) else normal_residual
+        return CurveSegment(position, velocity, length), float(np.sqrt(np.mean(counted**2)))
 
     def excess(penalty: float) -> float:
         return float(np.log(max(fitted(penalty)[1], 1e-15) / noise))

@@ -1,11 +1,11 @@
-"""Points of profile files: Simpack .prr and .prw, MiniProf .ban and .whl, columns of text."""
+"""Points of profile files: Simpack .prr and .prw, and columns of numbers in text, of MiniProf and all others."""
 
 from __future__ import annotations
 
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,16 +13,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.meshes.profiles.profile import Kind
+from wheelrail.meshes.profiles.text_table import TextTable, text_table
 from wheelrail.support.arrays import Array
 from wheelrail.support.text_file import read_text
 
 MAX_SIZE = 4.0  # MB
+MIN_POINTS, MAX_POINTS = 10, 20_000
 KIND_OF_SUFFIX: dict[str, Kind] = {
-    **{".prr": "rail", ".ban": "rail", ".rail": "rail"},
-    **{".prw": "wheel", ".whl": "wheel", ".wheel": "wheel"},
+    **dict.fromkeys((".prr", ".ban", ".rail", ".rpf"), "rail"),
+    **dict.fromkeys((".prw", ".whl", ".wheel", ".wpf"), "wheel"),
+}
+NO_POINTS = {
+    **dict.fromkeys((".xlsx", ".xls", ".ods"), "its sheet saved as .csv"),
+    **dict.fromkeys((".slcs", ".slcw"), "one of the profiles that it lists"),
 }
 NUMBER = re.compile(r"[-+]?(\d|\.\d|(nan|inf)\b)", re.IGNORECASE)  # start of a line of numbers
-UNITS = {"m": 1.0, "mm": 1e-3, "in": 25.4e-3}
+UNITS = {
+    **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
+    **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetre", "millimetres"), 1e-3),
+    **{"cm": 1e-2, "um": 1e-6, "µm": 1e-6, "micron": 1e-6, "microns": 1e-6},
+    **dict.fromkeys(("in", "inch", "inches"), 25.4e-3),
+}
+DECLARED = re.compile(r"\W*(?:units?|length)\b[^\w]*([a-zµ]+)", re.IGNORECASE)  # "# units: mm", "LENGTH = 'mm'"
+IN_TITLE = re.compile(r"[\[(_ ]([a-zµ]+)[\]) ]?(?![a-zµ])", re.IGNORECASE)  # "y [mm]", "y_mm"
+LIKELY = {"m": (0.02, 0.4), "in": (0.8, 8.0), "mm": (20.0, 400.0), "µm": (2e4, 4e5)}  # width of a profile, by unit
 
 
 class ProfileError(ValueError):
@@ -40,32 +54,43 @@ class RawProfile:
 
     Parameters:
         path: of the file.
-        points: (n, 2) m, y to the field side and z up (wheel: away from the axle).
+        points: (n, 2) m, y to the field side and z up (wheel: away from the axle) as far as the format defines them.
         lines: (n,), line of the file of each point.
-        oriented: False where the format does not define the signs, which then follow from the shape.
+        defined: which of the signs of y and z the format defines; others follow from the shape where it shows them.
         text: lines of text, number and content, that are neither header nor comment.
-        remarks: on the reading of the file.
+        convention: what was recognised: format, separators, unit, signs, order and origin.
+        remarks: on what was left out or mended.
     """
 
     path: Path
     points: Array
     lines: NDArray[np.intp]
-    oriented: bool = True
+    defined: tuple[bool, bool] = (True, True)
     text: tuple[tuple[int, str], ...] = ()
+    convention: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
+
+    @property
+    def ascending(self) -> bool:
+        """Whether y grows along the points, but for a few that are out of order."""
+        return bool(np.median(np.diff(self.points[:, 0])) >= 0.0)
+
+    def chosen(self, kept: NDArray[np.intp] | NDArray[np.bool_] | slice, *remarks: str) -> RawProfile:
+        """Some of the points, and further remarks."""
+        return replace(
+            self, points=self.points[kept], lines=self.lines[kept], remarks=(*self.remarks, *filter(None, remarks))
+        )
 
 
 def read_points(path: Path, kind: Kind) -> RawProfile:
     """Points of a file in the format of its suffix. Raises ProfileError, or FileRefused if the file cannot be read."""
-    formats = {".prr": simpack, ".prw": simpack, ".ban": miniprof, ".whl": miniprof}
-    formats |= dict.fromkeys((".txt", ".csv", ".dat", ".rail", ".wheel"), plain)
     suffix = path.suffix.lower()
-    if suffix not in formats:
-        raise ProfileError(path, None, f"suffix {path.suffix!r}", ", ".join(formats))
+    if suffix in NO_POINTS:
+        raise ProfileError(path, None, f"suffix {path.suffix!r} holds no points as text", NO_POINTS[suffix])
     belongs = KIND_OF_SUFFIX.get(suffix, kind)
     if belongs != kind:
         raise ProfileError(path, None, f"{suffix} holds a {belongs} and a {kind} is asked for", f"a file of a {kind}")
-    return formats[suffix](path, kind)
+    return (simpack if suffix in (".prr", ".prw") else columns)(path, kind)
 
 
 def _lines(path: Path) -> list[str]:
@@ -76,13 +101,6 @@ def _text(lines: list[str], comment: str) -> Iterator[tuple[int, str]]:
     """Numbered lines without comments and outer blanks."""
     for number, line in enumerate(lines, start=1):
         yield number, re.split(comment, line, maxsplit=1)[0].strip()
-
-
-def _words(path: Path, number: int, line: str) -> list[str]:
-    """Words between blanks, commas or semicolons; decimal commas are rejected."""
-    if re.search(r"\d,\d", line) and re.search(r";|\d\s+[-+.\d]", line):
-        raise ProfileError(path, number, f"{shortened(line)} has decimal commas", "a decimal point")
-    return re.split(r"[\s,;]+", line)
 
 
 def shortened(text: str) -> str:
@@ -99,16 +117,6 @@ def _floats(path: Path, number: int, words: list[str], least: int) -> list[float
     if len(values) < least or not all(map(math.isfinite, values)):
         raise ProfileError(path, number, shortened(" ".join(words)), f"{least} or more finite numbers")
     return values
-
-
-def _raw(
-    path: Path,
-    rows: list[tuple[int, float, float]],
-    oriented: bool = True,
-    text: Iterable[tuple[int, str]] = (),
-) -> RawProfile:
-    table = np.array(rows, dtype=float).reshape(-1, 3)
-    return RawProfile(path, table[:, 1:], table[:, 0].astype(int), oriented, tuple(text))
 
 
 def simpack(path: Path, kind: Kind) -> RawProfile:
@@ -144,8 +152,11 @@ def simpack(path: Path, kind: Kind) -> RawProfile:
             raise ProfileError(path, header[key][0], f"{key} is {header_value:g}", f"{allowed:g} for a {kind}")
     if number_of("spline.approx.smooth", 0.0) > 0.0:
         warnings.warn(f"{path}: approx.smooth is not applied, give noise instead", stacklevel=4)
-    raw = _raw(path, rows)
-    points = raw.points + np.array([number_of("spline.shift.y", 0.0), number_of("spline.shift.z", 0.0)])
+    table = np.array(rows, dtype=float).reshape(-1, 3)
+    points, lines = (
+        table[:, 1:] + np.array([number_of("spline.shift.y", 0.0), number_of("spline.shift.z", 0.0)]),
+        table[:, 0].astype(int),
+    )
     keep = np.ones(len(points), dtype=bool)
     for axis, name in enumerate("yz"):
         low, high = number_of(f"spline.bound.{name}.min", 1.0), number_of(f"spline.bound.{name}.max", 0.0)
@@ -158,72 +169,95 @@ def simpack(path: Path, kind: Kind) -> RawProfile:
         line_of_units = header["spline.units.len.f"][0]
         raise ProfileError(path, line_of_units, f"units.len.f is {per_metre:g}", "user units per metre")
     upwards = 1.0 if kind == "wheel" else -1.0  # downwards is away from a wheel's axle
-    return replace(raw, points=points[keep] * (1.0, upwards) / per_metre, lines=raw.lines[keep])
+    convention = ("Simpack", f"{per_metre:g} per metre", "signs as defined by the format")
+    return RawProfile(path, points[keep] * (1.0, upwards) / per_metre, lines[keep], convention=convention)
 
 
-def miniprof(path: Path, kind: Kind) -> RawProfile:
-    """MiniProf .ban or .whl, mm: a header, an empty line, then columns by ColumnDef (X, Y first without it).
+def columns(path: Path, kind: Kind) -> RawProfile:
+    """Columns y and z in text, by their titles or the first two; MiniProf: X and Y by ColumnDef, with its offsets.
 
-    X points to the gauge side of a rail; the direction of Y, and both for a wheel, follow from the shape. Text after
-    the numbers of a line, or after the points, is left out.
+    Separators, decimal commas, quotes and the unit are recognised. MiniProf's X points to the gauge side of a rail;
+    other signs are not defined. Text before and after the points, or after the numbers of a line, is left out.
     """
-    header: dict[str, tuple[int, str]] = {}
-    rows: list[tuple[int, float, float]] = []
-    raw_lines = _lines(path)
-    lines = list(_text(raw_lines, '["#%!]'))
-    raw_blank = [not line.strip() for line in raw_lines]
-    first = next((n for n, line in lines if NUMBER.match(line)), len(lines) + 1)
-    start = raw_blank.index(True) + 1 if True in raw_blank[:first] else first - 1
-    for number, line in lines[:start]:
-        if "=" in line:
-            key, value = line.split("=", 1)
-            header[key.strip().lower()] = (number, value.strip())
-    line_of_columns, definition = header.get("columndef", (0, "X,Y"))
-    columns = [name.strip() for name in definition.split(",")]
-    if not {"X", "Y"} <= set(columns):
-        raise ProfileError(path, line_of_columns, f"ColumnDef is {definition!r}", "columns with X and Y")
-    x, y = columns.index("X"), columns.index("Y")
-    text: list[tuple[int, str]] = []
-    for number, line in lines[start:]:
-        if line and not NUMBER.match(line):
-            text.append((number, line))
-        elif line:
-            values = _floats(path, number, _words(path, number, line), max(x, y) + 1)
-            rows.append((number, values[x], values[y]))
-    shift = []
-    for key in ("xoffset", "yoffset"):
-        at, value = header.get(key, (0, "0"))
-        shift.append(_floats(path, at, [value or "0"], 1)[0])
-    raw = _raw(path, rows, oriented=False, text=text)
-    signs = (-1.0, 1.0) if kind == "rail" else (1.0, 1.0)
-    return replace(raw, points=(raw.points + shift) * signs * UNITS["mm"])
+    lines = [(number, line.strip()) for number, line in enumerate(_lines(path), start=1) if line.strip()]
+    header, body = _header(lines)
+    count = sum(NUMBER.match(line) is not None for _, line in body) if len(body) > MAX_POINTS else 0
+    if count > MAX_POINTS:
+        raise ProfileError(path, body[-1][0], f"{count} points", f"{MIN_POINTS} to {MAX_POINTS}")
+    table = text_table(body)
+    if not table.rows and (numbers := [(n, text) for n, text in table.text if NUMBER.match(text)]):
+        raise ProfileError(path, numbers[0][0], shortened(numbers[0][1]), "2 or more finite numbers")
+    at, titles = header.get("columndef", (0, ""))
+    if titles:
+        names = [name.strip().upper() for name in titles.split(",")]
+        if not {"X", "Y"} <= set(names):
+            raise ProfileError(path, at, f"ColumnDef is {titles!r}", "columns with X and Y")
+        y, z = names.index("X"), names.index("Y")
+    else:
+        y, z = table.columns()
+    numbers_of, text = [], list(table.text)
+    for number, cells in table.rows:
+        pair = [cells[i] if i < len(cells) else None for i in (y, z)]
+        if None in pair:
+            text.append((number, dict(lines)[number]))
+        else:
+            numbers_of.append((number, *pair))
+    values = np.array(numbers_of, dtype=float).reshape(-1, 3)
+    if (endless := np.isinf(values[:, 1:]).any(axis=1)).any():
+        line = int(values[endless][0, 0])
+        raise ProfileError(path, line, shortened(dict(lines)[line]), "2 or more finite numbers")
+    offsets = [_floats(path, *_first_word(header.get(key, (0, "0"))), 1)[0] for key in ("xoffset", "yoffset")]
+    miniprof = path.suffix.lower() in (".ban", ".whl", ".mpt") or "columndef" in header
+    unit, declared = _unit(path, lines, table, values)
+    signs = (-1.0, 1.0) if miniprof and kind == "rail" else (1.0, 1.0)
+    convention = (
+        *(("MiniProf",) if miniprof else ()),
+        table.style,
+        f"{unit} {'' if declared else '(by size)'}".strip(),
+    )
+    return RawProfile(
+        path,
+        (values[:, 1:] + offsets) * signs * UNITS[unit],
+        values[:, 0].astype(int),
+        (miniprof and kind == "rail", False),
+        tuple(sorted(text)),
+        convention,
+    )
 
 
-def plain(path: Path, kind: Kind) -> RawProfile:
-    """Columns y and z: y to the field side, z up (rail); y from the rolling circle, z away from the axle (wheel).
+def _header(lines: list[tuple[int, str]]) -> tuple[dict[str, tuple[int, str]], list[tuple[int, str]]]:
+    """Line and value by key of lines `key = value`, and the other lines."""
+    header, body = {}, []
+    for number, line in lines:
+        if "=" in line and (match := re.match(r"\W*([A-Za-z][\w .]*?)\s*=\s*(.*)", line)) and not NUMBER.match(line):
+            header[match[1].lower()] = (number, match[2].strip("'\" "))
+        else:
+            body.append((number, line))
+    return header, body
 
-    Blanks, tabs, commas or semicolons between; # starts a comment; "# units: mm" (default), "m" or "in" may come
-    before the points. Text before and after the points, or after the numbers of a line, is left out. In .rail and
-    .wheel files the direction of z follows from the shape.
+
+def _first_word(entry: tuple[int, str]) -> tuple[int, list[str]]:
+    number, value = entry
+    return number, (value.split() or ["0"])[:1]
+
+
+def _unit(path: Path, lines: list[tuple[int, str]], table: TextTable, values: Array) -> tuple[str, bool]:
+    """Unit of the points, and whether the file declares it: in a line before them, in a column's title, or by size.
+
+    Raises ProfileError for an unknown unit, one after the first point, and for a declared one that fits no profile.
     """
-    unit = "mm"
-    rows: list[tuple[int, float, float]] = []
-    text: list[tuple[int, str]] = []
-    for number, line in enumerate(_lines(path), start=1):
+    first = int(values[0, 0]) if len(values) else math.inf
+    for number, line in lines:
         if match := re.match(r"\s*#\s*units\s*[:=]\s*(\S+)", line, re.IGNORECASE):
-            unit = match[1].lower()
-            if unit not in UNITS or rows:
-                place = "after the first point" if rows else "not known"
-                raise ProfileError(
-                    path, number, f"units {match[1]!r} {place}", f"{', '.join(UNITS)}, before the points"
-                )
-            continue
-        content = line.split("#", 1)[0].strip()
-        if not NUMBER.match(content):
-            if content and rows:
-                text.append((number, content))
-            continue
-        y, z = _floats(path, number, _words(path, number, content), 2)
-        rows.append((number, y, z))
-    raw = _raw(path, rows, path.suffix.lower() not in (".rail", ".wheel"), text)
-    return replace(raw, points=raw.points * UNITS[unit])
+            if match[1].lower() not in UNITS or number > first:
+                place = "after the first point" if number > first else "not known"
+                raise ProfileError(path, number, f"units {match[1]!r} {place}", "mm, m or in, before the points")
+            return match[1].lower(), True
+    for number, line in lines:
+        if number < first and (match := DECLARED.match(line)) and match[1].lower() in UNITS:
+            return match[1].lower(), True
+    for match in IN_TITLE.finditer(table.title):
+        if match[1].lower() in UNITS:
+            return match[1].lower(), True
+    spread = np.ptp(np.nanquantile(values[:, 1], (0.02, 0.98))) if len(values) else 0.0
+    return next((unit for unit, (low, high) in LIKELY.items() if 0.96 * low <= spread <= high), "mm"), False

@@ -15,6 +15,8 @@ MODULUS = 115e9  # Pa, contact modulus E / 2 (1 - nu2) of steel on steel
 NEGLIGIBLE = 1e6  # Pa, error of the pressure below which points are interpolated: 0.1 % of a usual peak pressure
 NOTICEABLE = 1e8  # Pa, error of the pressure that is a warning: 10 %
 LARGEST = 3e8  # Pa, allowed error of the pressure
+EXACT = 0.05  # of the noise of rounding, residuals below which the numbers are not rounded
+FEW = 10  # points of a running surface, below which the noise is that of all points
 NORMAL_QUANTILE = 0.6745, 1.6449  # 50 % and 90 % quantiles of the absolute value of a standard normal variable
 
 
@@ -31,7 +33,8 @@ class Measurement:
         slope_error: RMS error of the slope of the curve.
         interpolated_error, smoothed_error: the same of the curve through all points, and of the one smoothed by the
             noise.
-        remarks: on the reading of the file.
+        convention: unit, signs, order and origin as they were recognised.
+        remarks: on what was left out or mended.
     """
 
     place: str
@@ -42,6 +45,7 @@ class Measurement:
     slope_error: float
     interpolated_error: float
     smoothed_error: float
+    convention: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
 
     def __str__(self) -> str:
@@ -58,6 +62,7 @@ class Measurement:
                 f"{self.place}: {self.count} points every {_length(self.spacing)}, with noise of about "
                 f"{_length(self.noise)}; {curve}: error of the pressure about {used}"
                 + (f" ({', '.join(others)})" if others else ""),
+                *([f"read as {', '.join(self.convention)}"] if self.convention else []),
                 *self.remarks,
             ]
         )
@@ -68,7 +73,8 @@ class Measurement:
         if self.smoothed_error < min(self.slope_error, _slope(LARGEST)):
             return f"noise = {self.noise:.1g} (m), or no value for the estimated noise"
         return (
-            f"up to {1e-6 * LARGEST:.0f} MPa; measure again with less noise or closer points, or average measurements"
+            f"up to {1e-6 * LARGEST:.0f} MPa; measure again with less noise or closer points, average measurements, or "
+            "smooth more by the key noise (m)"
         )
 
 
@@ -97,14 +103,16 @@ def require_usable(measurement: Measurement | None) -> None:
         raise RoughProfile(measurement)
 
 
-def measured(points: Array, noise: float | None, place: str, remarks: Sequence[str] = ()) -> Measurement:
+def measured(
+    points: Array, noise: float | None, place: str, convention: Sequence[str] = (), remarks: Sequence[str] = ()
+) -> Measurement:
     """Noise, spacing and smoothing of points.
 
     Parameters:
         points: (n, 2) m.
         noise: RMS distance of the curve from the points, m; None: the estimated noise if its effect is noticeable.
         place: file and line.
-        remarks: on the reading of the file.
+        convention, remarks: on the reading of the file.
     """
     estimated, spacing_part = estimated_noise(points), spacing_error(points)
     noise_part = interpolation_error(points, estimated)
@@ -116,13 +124,16 @@ def measured(points: Array, noise: float | None, place: str, remarks: Sequence[s
     if noise not in (0.0, estimated):
         used = smoothing_error(points, estimated, noise)
     spacing = float(np.median(np.hypot(*np.diff(points, axis=0).T)))
-    return Measurement(place, len(points), spacing, estimated, noise, used, interpolated, smoothed, tuple(remarks))
+    errors = used, interpolated, smoothed
+    return Measurement(place, len(points), spacing, estimated, noise, *errors, tuple(convention), tuple(remarks))
 
 
 def estimated_noise(points: Array) -> float:
     """Standard deviation m of points (n, 2) m normal to their line: median residual of cubics through four neighbours.
 
-    At least that of rounded heights. As by lines through two neighbours in T. Gasser, L. Sroka, C. Jennen-Steinmetz,
+    Of the running surface, where the line is nearer to horizontal than to vertical: noise of a laser is vertical, and
+    little of it is normal to steep faces. At least that of rounded heights. As by lines through two neighbours in
+    T. Gasser, L. Sroka, C. Jennen-Steinmetz,
     doi:10.1093/biomet/73.3.625.
     """
     z = points[:, 0] + 1j * points[:, 1]
@@ -138,8 +149,12 @@ def estimated_noise(points: Array) -> float:
     residual = z[2:-2] - (weights * z[neighbours]).sum(axis=0)
     tangent = z[3:-1] - z[1:-3]
     normal = (residual * tangent.conj()).imag / np.abs(tangent) / np.sqrt(1.0 + (weights**2).sum(axis=0))
-    spread = float(np.median(np.abs(normal))) / NORMAL_QUANTILE[0]
-    return max(spread, float(rounding(points[:, 1]) / np.sqrt(12.0)))
+    running = np.abs(tangent.real) > np.abs(tangent.imag)
+    residuals = np.abs(normal[running] if running.sum() > FEW else normal)
+    rounded = float(rounding(points[:, 1]) / np.sqrt(12.0))
+    if np.quantile(residuals, 0.95) < EXACT * rounded:  # a line of numbers that need no rounding
+        rounded = 0.0
+    return max(float(np.median(residuals)) / NORMAL_QUANTILE[0], rounded)
 
 
 def rounding(values: Array) -> float:

@@ -11,15 +11,17 @@ from typing import Any
 import numpy as np
 
 from wheelrail.meshes.curves.spline import through
+from wheelrail.meshes.profiles.convention import oriented, to_rolling_circle
 from wheelrail.meshes.profiles.formats import ProfileError, RawProfile, read_points
 from wheelrail.meshes.profiles.measurement import NOTICEABLE, measured, pressure, require_usable
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.meshes.profiles.profile import Kind, Placement, Profile, from_sections
 from wheelrail.meshes.profiles.sections import single_section
-from wheelrail.meshes.profiles.validation import checked, oriented
+from wheelrail.meshes.profiles.validation import checked, cleaned
 
 log = logging.getLogger(__name__)
 LONG = 3000  # points, whose smoothing takes more than about 3 s
+END = 1e-4  # m, of arc length, within which the highest point is an end
 
 
 @dataclass(frozen=True)
@@ -29,10 +31,13 @@ class Reading:
     Parameters:
         noise: RMS distance of the curve from the points, m; 0 interpolates; None: the noise that is estimated from the
             points, where its effect is noticeable.
-        rolling_circle: y of the rolling circle in the file of a wheel, m; None: 0, or recognised, see `oriented`.
+        rolling_circle: y of the rolling circle in the points of a wheel, m; None: recognised, see `to_rolling_circle`.
         section: number of the section of the file, from 1; None for a file with one section.
         inclination: of the rail in the file, rad, by which only web and foot are rotated.
         flange_back: y of the flange's back from the rolling circle, the origin of MiniProf, m.
+        scale: factor of all coordinates of the file.
+        shift: added to y and z after it, m.
+        mirror, flip: whether the sign of y, z then changes; None: as recognised, see `oriented`.
     """
 
     noise: float | None = None
@@ -40,27 +45,38 @@ class Reading:
     section: int | None = None
     inclination: float = 0.0
     flange_back: float = -0.070
+    scale: float | None = None
+    shift: tuple[float, float] | None = None
+    mirror: bool | None = None
+    flip: bool | None = None
 
 
 def read_profile(path: str | Path, kind: Kind, **options: Any) -> Profile:
     """Profile near the points of a file, by a spline.
 
     Parameters:
-        path: of a .prr, .prw, .ban, .whl, .rail, .wheel, .txt, .csv or .dat file, see
-            `wheelrail.meshes.profiles.formats`.
+        path: of a file, see `wheelrail.meshes.profiles.formats`.
         kind: "wheel" or "rail".
         options: of `Reading`.
 
     The origin of a rail is at its highest point; z of a wheel is 0 at y = 0. Raises ProfileError with file, line, value
     and the allowed range, RoughProfile for points whose estimated noise cannot be smoothed sufficiently. A rough curve
-    by a given noise is a warning.
+    by a given noise, and a shape that contradicts its signs, are warnings.
     """
     path, reading = Path(path), Reading(**options)
-    raw = single_section(read_points(path, kind), reading.section)
-    raw = checked(oriented(raw, kind, reading.flange_back, reading.rolling_circle), kind)
+    raw = cleaned(single_section(read_points(path, kind), reading.section))
+    scale, (dy, dz) = reading.scale or 1.0, reading.shift or (0.0, 0.0)
+    changes = [f"scaled by {scale:g}"] if reading.scale else []
+    changes += [f"shifted by ({1e3 * dy:g}, {1e3 * dz:g}) mm"] if reading.shift else []
+    raw = replace(raw, points=raw.points * scale + np.array([dy, dz]))
+    raw = oriented(raw, kind, reading.mirror, reading.flip, changes=changes)
+    if kind == "wheel":
+        raw = to_rolling_circle(raw, reading.flange_back, reading.rolling_circle)
+    raw = checked(raw, kind)
     if len(raw.points) > LONG:
         log.info("%s: %d points: noise and smoothing take some seconds", path, len(raw.points))
-    measurement = measured(raw.points, reading.noise, f"{path}, line {raw.lines.min()}", raw.remarks)
+    place = f"{path}, line {raw.lines.min()}"
+    measurement = measured(raw.points, reading.noise, place, raw.convention, raw.remarks)
     if reading.noise is None:
         require_usable(measurement)
     if pressure(measurement.slope_error) > NOTICEABLE:
@@ -71,9 +87,20 @@ def read_profile(path: str | Path, kind: Kind, **options: Any) -> Profile:
     if kind == "wheel":
         foot = _rolling_circle(rough, raw, middle[0])
         return rough.transformed(0.0, -complex(*rough.point(foot)), -foot)
+    return _at_top(rough, middle[0], reading.inclination)
+
+
+def _at_top(rough: Profile, middle: float, inclination: float) -> Profile:
+    """Rail with its origin at the highest point; where that is an end, as of a plane, at y = 0 or the middle point."""
     top = rough.highest()
+    if not rough.s_range[0] + END < top < rough.s_range[1] - END:
+        warnings.warn(f"{rough.name}: the highest point is an end of the profile; y = 0 is its origin", stacklevel=3)
+        try:
+            top = float(rough.s_at_y(-middle))
+        except ValueError:
+            top = 0.0
     rail = rough.transformed(0.0, -complex(*rough.point(top)), -top)
-    return replace(rail, placement=_placement(rail, reading.inclination))
+    return replace(rail, placement=_placement(rail, inclination))
 
 
 def _rolling_circle(rough: Profile, raw: RawProfile, middle: float) -> float:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from wheelrail.meshes.profiles.formats import ProfileError, RawProfile, shortened
-from wheelrail.meshes.profiles.validation import MIN_POINTS
+from wheelrail.meshes.profiles.formats import MIN_POINTS, NUMBER, ProfileError, RawProfile, shortened
 
 JUMP = 5e-3  # m, distance of the ends of two sections; closer runs of points belong to one
 
@@ -43,6 +40,10 @@ def single_section(raw: RawProfile, number: int | None) -> RawProfile:
     remarks = [f"{unused} points beside the section are left out"] if unused else []
     if len(sections) > 1:
         remarks.append(f"section {number} of {len(sections)}, from line {lines_of[0]}")
+    if broken := [
+        (line, text) for line, text in raw.text if len(chosen) and line > lines_of[-1] and NUMBER.match(text)
+    ][:1]:
+        raise ProfileError(raw.path, broken[0][0], shortened(broken[0][1]), "2 or more finite numbers")
     if after := [line for line, _ in raw.text if len(chosen) and line > lines_of[-1]]:
         remarks.append(f"text from line {after[0]} is left out")
-    return replace(raw, points=raw.points[chosen], lines=lines_of, remarks=(*raw.remarks, *remarks))
+    return raw.chosen(chosen, *remarks)

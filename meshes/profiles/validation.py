@@ -1,118 +1,81 @@
-"""Checks of a profile file's points: signs, origin, units, order, undercut, duplicates, self-intersection."""
+"""Checks of a profile's points: size, order, undercut, duplicates, points out of line, self-intersection."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.meshes.profiles.formats import ProfileError, RawProfile
+from wheelrail.meshes.profiles.formats import MAX_POINTS, MIN_POINTS, ProfileError, RawProfile
 from wheelrail.meshes.profiles.measurement import estimated_noise
 from wheelrail.meshes.profiles.profile import Kind
 from wheelrail.support.arrays import Array
 
-MIN_POINTS, MAX_POINTS = 10, 20_000
-SIZES = {"width": (20e-3, 400e-3), "height": (1e-3, 400e-3)}  # m
+SIZES = {"width": (10e-3, 400e-3), "height": (0.0, 400e-3)}  # m
+LOWEST = 1e-4  # m; a profile of less height is in other units across than up, if it is not flat
 CLOSE = 2e-5  # m; distances of points below that are dominated by rounding
-BACK_TIP = 30e-3  # m; with a flange tip closer than this to y = 0, y is measured from the flange's back
-TIP, TIP_TOLERANCE = -55e-3, 8e-3  # m; usual position of the flange tip from the rolling circle
 UNDERCUT_DEPTH, UNDERCUT_WIDTH = 10e-3, 1e-3  # m; an undercut is deeper below the top of a rail, and wider
+HEAD_DEPTH = 60e-3  # m; points of a rail with its foot below that are no part of the head
 SCATTER = 8.0  # times the noise, distances that are scatter and no shape, up to MOST_SCATTER
 MOST_SCATTER = 1e-3  # m
+FAR = 8.0  # times the range of the middle half of the points, distances of values that are no part of a profile
+ALONE = 20.0, 5e-3  # times the usual spacing, and m: distance of a first or last point that is no part of the profile
+SHARP = np.radians(30.0)  # turn of the line at a point out of line
+MOST_MENDED = 3, 0.01  # points, and part of the points, that may be out of line
 
 
-def oriented(raw: RawProfile, kind: Kind, flange_back: float, rolling_circle: float | None = None) -> RawProfile:
-    """Points with signs from the shape where the format does not define them, and a wheel's y from its rolling circle.
+def cleaned(raw: RawProfile) -> RawProfile:
+    """Points without missing values, repetitions, and numbers of a text before or after them.
 
-    Parameters:
-        raw: points of the file.
-        kind: "wheel" or "rail".
-        flange_back: m, as for `read_profile`.
-        rolling_circle: y of the rolling circle in the file, m; None: 0, or the distance from the flange's back where
-            the flange tip is near y = 0.
-
-    Raises ProfileError where the signs contradict the shape.
+    Raises ProfileError for too few or too many points, and for values that are no coordinates.
     """
+    missing = np.isnan(raw.points).any(axis=1)
+    if missing.any():
+        raw = raw.chosen(~missing, f"{missing.sum()} missing values from line {raw.lines[missing][0]} are left out")
     if not MIN_POINTS <= len(raw.points) <= MAX_POINTS:
         line = int(raw.lines[-1]) if len(raw.lines) else None
         raise ProfileError(raw.path, line, f"{len(raw.points)} points", f"{MIN_POINTS} to {MAX_POINTS}")
-    z_sign, y_sign = _signs(raw.points, kind)
-    line = int(raw.lines[0])
-    if raw.oriented:
-        if z_sign < 0:
-            raise ProfileError(raw.path, line, "z points the wrong way", _SENSE[kind])
-        if y_sign < 0:
-            raise ProfileError(raw.path, line, "the flange lies at positive y", _SENSE[kind])
-        y_sign = z_sign = 1
-    points = raw.points * (y_sign, z_sign)
-    if kind == "rail":
-        return replace(raw, points=points)
-    shift, remarks = _to_rolling_circle(
-        points, flange_back, None if rolling_circle is None else y_sign * rolling_circle
-    )
-    return replace(raw, points=points + np.array([shift, 0.0]), remarks=(*raw.remarks, *remarks))
-
-
-def _to_rolling_circle(points: Array, flange_back: float, rolling_circle: float | None) -> tuple[float, list[str]]:
-    """Shift m of y to the rolling circle, and remarks."""
-    if rolling_circle is not None:
-        return -rolling_circle, []
-    y, z = points.T
-    tip = float(y[np.argmax(z)])
-    if abs(tip) < BACK_TIP:
-        return flange_back, [
-            f"flange tip at y = {1e3 * tip:.1f} mm: y is taken from the flange back, {-1e3 * flange_back:g} mm from "
-            "the rolling circle (rolling_circle gives another y of it)"
-        ]
-    if abs(tip - TIP) > TIP_TOLERANCE:
-        return 0.0, [
-            f"flange tip at y = {1e3 * tip:.1f} mm, usually {1e3 * TIP:g} mm: y is taken from the rolling circle "
-            "(rolling_circle gives another y of it)"
-        ]
-    return 0.0, []
-
-
-_SENSE = {
-    "wheel": "y to the field side (flange at negative y) and z away from the axle, after the file's own mirroring",
-    "rail": "y to the field side and z up, after the file's own mirroring",
-}
-
-
-def _signs(points: Array, kind: Kind) -> tuple[int, int]:
-    """Signs of z and y for which the top of a rail, or the flange of a wheel, is on the correct side."""
-    y, z = points.T
-    weight = np.abs(np.diff(y))
-    middle = 0.5 * (z[1:] + z[:-1])
-    level = np.sum(weight * middle) / max(weight.sum(), 1e-300)
-    if kind == "rail":
-        return (1 if z.max() - level <= level - z.min() else -1), 1
-    tread = weight > np.abs(np.diff(z)) / 3.0  # not the faces of the rim
-    heights = np.where(tread, middle - level, 0.0)
-    tip = int(np.argmax(np.abs(heights)))
-    return (1 if heights[tip] >= 0.0 else -1), (1 if y[tip] <= 0.5 * (y.min() + y.max()) else -1)
+    same = np.concatenate([[False], (np.diff(raw.points, axis=0) == 0.0).all(axis=1)])
+    if same.any():
+        raw = raw.chosen(~same, f"{same.sum()} repeated points from line {raw.lines[same][0]} are left out")
+    if len(raw.points) < MIN_POINTS:
+        raise ProfileError(raw.path, int(raw.lines[0]), f"{len(raw.points)} different points", f"{MIN_POINTS}")
+    for end in (0, 0, 0, -1, -1, -1):
+        step = np.hypot(*np.diff(raw.points, axis=0).T)
+        if step[end] > max(ALONE[0] * np.median(step), ALONE[1]):
+            inner = np.arange(len(raw.points)) != (len(raw.points) - 1 if end else 0)
+            y, z = 1e3 * raw.points[end]
+            remark = f"line {raw.lines[end]}, ({y:.4g}, {z:.4g}) mm, lies {1e3 * step[end]:.3g} mm away and is left out"
+            raw = raw.chosen(inner, remark)
+    low, high = np.quantile(raw.points, (0.25, 0.75), axis=0)
+    distance = np.abs(raw.points - 0.5 * (low + high))
+    far = distance > FAR * (high - low).max()
+    if far.any():
+        i, axis = (int(k) for k in np.argwhere(far)[0])
+        problem = f"{'yz'[axis]} = {1e3 * raw.points[i, axis]:.6g} mm is no coordinate of this profile"
+        count = int(far.any(axis=1).sum())
+        others = f", as on {count} lines in all" if count > 1 else ""
+        raise ProfileError(raw.path, int(raw.lines[i]), problem + others, "points only, or nan for missing values")
+    return raw
 
 
 def checked(raw: RawProfile, kind: Kind) -> RawProfile:
-    """Points in order and at least CLOSE apart, those of a rail without the undercut below its head.
+    """Points in order and at least CLOSE apart, without those out of line and those that turn back beyond the ends.
 
-    Raises ProfileError for a wrong size, duplicates, wrong order or self-intersection.
+    Raises ProfileError for a wrong size, wrong order or self-intersection.
     """
-    _check_size(raw, kind)
-    if raw.points[-1, 0] < raw.points[0, 0]:
-        raw = replace(raw, points=raw.points[::-1], lines=raw.lines[::-1])
-    step = np.diff(raw.points, axis=0)
-    same = np.flatnonzero((step == 0.0).all(axis=1))
-    if len(same):
-        raise _at(raw, int(same[0]) + 1, f"repeats line {raw.lines[same[0]]}", "each point once")
     if kind == "rail":
-        raw = _without_undercut(raw)
-    scatter = min(max(CLOSE, SCATTER * estimated_noise(raw.points)), MOST_SCATTER)
+        raw = _head_alone(raw)
+    _check_size(raw, kind)
+    if not raw.ascending:
+        raw = raw.chosen(slice(None, None, -1))
+    raw = _in_line(raw)
+    raw = _without_turns(raw, kind)
+    scatter = _scatter(raw.points)
     back = _steps_back(raw.points, scatter)
     if len(back):
         raise _at(raw, int(back[0]) + 1, f"steps back from line {raw.lines[back[0]]}", "y in order, but on steep faces")
-    kept = _thinned(raw.points, CLOSE)
-    raw = replace(raw, points=raw.points[kept], lines=raw.lines[kept])
+    kept = np.array(_thinned(raw.points, CLOSE))
+    raw = raw.chosen(kept)
     if len(kept) < MIN_POINTS:
         line = int(raw.lines[0])
         raise ProfileError(raw.path, line, f"{len(kept)} points more than {1e3 * CLOSE} mm apart", f"{MIN_POINTS}")
@@ -124,13 +87,86 @@ def checked(raw: RawProfile, kind: Kind) -> RawProfile:
     return raw
 
 
+def _scatter(points: Array) -> float:
+    return min(max(CLOSE, SCATTER * estimated_noise(points)), MOST_SCATTER)
+
+
+def _head_alone(raw: RawProfile) -> RawProfile:
+    """Points of the head around the top of a rail that is given with web and foot."""
+    points, lines = raw.points, raw.lines
+    if np.ptp(points[:, 1]) <= HEAD_DEPTH:
+        return raw
+    if np.hypot(*(points[0] - points[-1])) < ALONE[1]:  # a closed section, which may start on the head
+        first = -int(np.argmin(points[:, 1]))
+        order = np.roll(np.arange(len(points)), first)
+        raw = raw.chosen(order)
+        points, lines = raw.points, raw.lines
+    deep = points[:, 1] < points[:, 1].max() - HEAD_DEPTH
+    top = int(np.argmax(points[:, 1]))
+    start = int(np.flatnonzero(deep[:top]).max(initial=-1)) + 1
+    stop = top + int(np.flatnonzero(deep[top:]).min(initial=len(points) - top))
+    remark = f"{len(lines) - stop + start} points deeper than {1e3 * HEAD_DEPTH:g} mm below the top are left out"
+    return raw.chosen(slice(start, stop), remark)
+
+
+def _in_line(raw: RawProfile) -> RawProfile:
+    """Points without single ones out of line: the line turns there and back, and without them it is smooth.
+
+    Others than a few are no errors of single points, and stay.
+    """
+    found, lost = raw, list[tuple[int, Array, float]]()
+    scatter = _scatter(raw.points)
+    while len(lost) <= max(MOST_MENDED[0], MOST_MENDED[1] * len(raw.points)):
+        z = found.points[:, 0] + 1j * found.points[:, 1]
+        a, b, c, d, e = (z[i : len(z) - 4 + i] for i in range(5))
+        turn = np.abs(np.angle((d - c) / (c - b)))
+        without = np.abs(np.angle((d - b) / (b - a))) + np.abs(np.angle((e - d) / (d - b)))
+        along = np.clip(((c - b) * (d - b).conj()).real / np.abs(d - b) ** 2, 0.0, 1.0)
+        distance = np.abs(c - b - along * (d - b))
+        out = (distance > scatter) & (turn > SHARP + 3.0 * without)
+        if not out.any():
+            break
+        i = int(np.argmax(np.where(out, distance, 0.0))) + 2
+        lost.append((int(found.lines[i]), found.points[i], float(distance[i - 2])))
+        found = found.chosen(np.arange(len(z)) != i)
+    else:
+        return raw
+    remarks = [
+        f"line {line}, ({1e3 * y:.3f}, {1e3 * z:.3f}) mm, is {1e3 * distance:.2g} mm out of line and left out"
+        for line, (y, z), distance in sorted(lost, key=lambda point: point[0])
+    ]
+    return found.chosen(slice(None), *remarks)
+
+
+def _without_turns(raw: RawProfile, kind: Kind) -> RawProfile:
+    """Points between the places where the faces of a rail's head or a wheel's rim turn back below or beyond it."""
+    y, z = raw.points.T
+    top, back = int(np.argmax(z)), _steps_back(raw.points, CLOSE)
+    step = np.hypot(*np.diff(raw.points, axis=0).T)
+    back = back[step[back] < max(ALONE[0] * np.median(step), ALONE[1])]  # farther steps are other points in disorder
+    left, right = int(np.argmin(y[: top + 1])), top + int(np.argmax(y[top:]))
+    depth = UNDERCUT_DEPTH if kind == "rail" else -np.inf
+    start, stop = 0, len(y)
+    if z[left] < z[top] - depth and np.ptp(y[: left + 1]) > UNDERCUT_WIDTH:
+        start = int(back[back < left].max(initial=-1)) + 1
+    if z[right] < z[top] - depth and np.ptp(y[right:]) > UNDERCUT_WIDTH:
+        stop = int(back[back >= right].min(initial=len(y) - 1)) + 1
+    where = "in the undercut below the head" if kind == "rail" else "behind the faces of the rim"
+    remarks = [
+        f"lines {lines.min()} to {lines.max()} lie {where} and are left out"
+        for lines in (raw.lines[:start], raw.lines[stop:])
+        if len(lines)
+    ]
+    return raw.chosen(slice(start, stop), *remarks)
+
+
 def _check_size(raw: RawProfile, kind: Kind) -> None:
     for (name, (low, high)), size in zip(SIZES.items(), np.ptp(raw.points, axis=0).tolist(), strict=True):
-        if not low <= size <= high:
+        if not low <= size <= high or (name == "height" and not raw.defined[1] and 0.0 < size < LOWEST):
             guesses = {"metres": 1e3, "inches": 25.4, "millimetres": 1e-3}
-            units = [unit for unit, factor in guesses.items() if low <= size * factor <= high]
+            units = [unit for unit, factor in guesses.items() if max(low, LOWEST) <= size * factor <= high]
             hint = f", the numbers look like {units[0]}" if units else ""
-            allowed = f"{1e3 * low:g} .. {1e3 * high:g} mm"
+            allowed = f"{1e3 * low:g} .. {1e3 * high:g} mm, in a unit given as '# units: m' before the points"
             raise ProfileError(raw.path, int(raw.lines[0]), f"{name} {1e3 * size:.4g} mm of a {kind}{hint}", allowed)
 
 
@@ -145,25 +181,6 @@ def _steps_back(points: Array, scatter: float) -> NDArray[np.intp]:
     step = np.diff(points, axis=0)
     shallow = (step[:, 0] < 0.0) & (np.abs(step[:, 1]) < 2.0 * np.abs(step[:, 0]))
     return np.flatnonzero(shallow & (np.hypot(*step.T) > scatter))
-
-
-def _without_undercut(raw: RawProfile) -> RawProfile:
-    """Points between the places, at the widest part of the head or below, where its faces turn back towards the web."""
-    y, z = raw.points.T
-    top, back = int(np.argmax(z)), _steps_back(raw.points, CLOSE)
-    left, right = int(np.argmin(y[: top + 1])), top + int(np.argmax(y[top:]))
-    start, stop = 0, len(y)
-    if z[left] < z[top] - UNDERCUT_DEPTH and np.ptp(y[: left + 1]) > UNDERCUT_WIDTH:
-        start = int(back[back < left].max(initial=-1)) + 1
-    if z[right] < z[top] - UNDERCUT_DEPTH and np.ptp(y[right:]) > UNDERCUT_WIDTH:
-        stop = int(back[back >= right].min(initial=len(y) - 1)) + 1
-    remarks = [
-        f"lines {lines.min()} to {lines.max()} lie in the undercut below the head and are left out"
-        for lines in (raw.lines[:start], raw.lines[stop:])
-        if len(lines)
-    ]
-    within = slice(start, stop)
-    return replace(raw, points=raw.points[within], lines=raw.lines[within], remarks=(*raw.remarks, *remarks))
 
 
 def _thinned(points: Array, close: float) -> list[int]:

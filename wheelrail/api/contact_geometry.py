@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wheelrail.api.rigid_pair import contact_values, rigid_wheelset
-from wheelrail.contact.geometry.first_contact import FirstContact, RigidWheelset, first_contacts_over
+from wheelrail.contact.geometry.first_contact import (
+    FirstContact,
+    RigidWheelset,
+    contact_without_roll,
+    first_contacts_over,
+)
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
@@ -19,6 +24,9 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 FINEST = 1e-4  # m, largest spacing of the lateral positions for the equivalent conicity
+BEND = 2e-5  # m, of the rolling radius difference from a line between positions, which are closer above it, down to
+NARROW = 2e-6  # m
+BEYOND = (5e-3, 4e-3, 3e-3, 2e-3, 1e-3, 0.0)  # m, tried in this order
 
 
 # Variable by side: unit, meaning.
@@ -52,8 +60,10 @@ def contact_geometry(
 
     Returns a Dataset over y and side: rolling_radius, m, contact_angle, rad, contact points on both profiles, m; over
     y: height z, m, and roll, rad, of the wheelset, rolling_radius_difference, m, left minus right; over amplitude, m,
-    the positive values of y: equivalent_conicity, that of conical wheels with the same wavelength of the kinematic
-    motion (EN 15302; Klingel's formula for cones), with sides that differ about the position of equal rolling radii.
+    the positive values of y: equivalent_conicity of EN 15302, whose wheels are lowered to the rails without roll of the
+    wheelset, and equivalent_conicity_with_roll of the wheelset that touches both rails. Both are those of cones with
+    the same wavelength of the kinematic motion, 0 where no motion of that amplitude returns, and with sides that differ
+    about the position of equal rolling radii.
 
     Raises SceneError, and ValueError for a position without contact on both sides.
     """
@@ -83,8 +93,13 @@ def contact_geometry(
             ),
             "equivalent_conicity": (
                 "amplitude",
-                _conicity(wheelset, amplitude),
-                means("1", "equivalent conicity, from the wavelength of the kinematic motion (EN 15302)"),
+                _conicity(wheelset, amplitude, _difference_without_roll),
+                means("1", "equivalent conicity without roll of the wheelset (EN 15302)"),
+            ),
+            "equivalent_conicity_with_roll": (
+                "amplitude",
+                _conicity(wheelset, amplitude, _difference_with_roll),
+                means("1", "equivalent conicity with the roll of the wheelset on both rails"),
             ),
         },
         coords={
@@ -133,17 +148,75 @@ def _by_side(wheelset: RigidWheelset, touches: Sequence[Mapping[Side, FirstConta
     return values
 
 
-def _conicity(wheelset: RigidWheelset, amplitude: Array) -> Array:
-    """Equivalent conicity (n,) at amplitudes (n,) m, in order."""
+def _difference_with_roll(wheelset: RigidWheelset, y: Array) -> Array:
+    """Rolling radius difference (n,) m at positions (n,) m of the wheelset that touches both rails."""
+    touches = [touch for _, touch in first_contacts_over(wheelset, y)]
+    left, right = (np.array([_rolling_radius(wheelset.on(side), touch[side]) for touch in touches]) for side in SIDES)
+    return np.asarray(left - right)
+
+
+def _difference_without_roll(wheelset: RigidWheelset, y: Array) -> Array:
+    """Rolling radius difference (n,) m at positions (n,) m of a wheelset that does not roll."""
+    left, right = (
+        np.array([_rolling_radius(pair, contact_without_roll(pair, at)) for at in (hand * y).tolist()])
+        for pair, hand in ((wheelset, 1.0), (wheelset.on("right"), -1.0))
+    )
+    return np.asarray(left - right)
+
+
+def _rolling_radius(wheelset: RigidWheelset, touch: FirstContact) -> float:
+    return wheelset.pair.radius + float(wheelset.pair.wheel.point(touch.wheel_s)[1])
+
+
+def _conicity(
+    wheelset: RigidWheelset, amplitude: Array, difference_at: Callable[[RigidWheelset, Array], Array]
+) -> Array:
+    """Equivalent conicity (n,) at amplitudes (n,) m, in order.
+
+    Parameters:
+        wheelset: profiles and mounting.
+        amplitude: (n,) m.
+        difference_at: rolling radius difference (n,) m of the wheelset at positions (n,) m.
+
+    The difference is sampled closer across its jumps and bends.
+    """
     from wheelrail.contact.geometry.conicity import equivalent_conicity
 
     if not amplitude.size:
         return np.empty(0)
-    steps = max(2, int(np.ceil(amplitude[-1] / FINEST)))
-    fine = amplitude[-1] * (np.arange(steps + 1) if wheelset.right is None else np.arange(-steps, steps + 1)) / steps
-    touches = [touch for _, touch in first_contacts_over(wheelset, fine)]
-    left, right = (
-        np.array([contact_values(wheelset, touch[side], side)["rolling_radius"] for touch in touches]) for side in SIDES
-    )
+    y, difference = _sampled(wheelset, float(amplitude[-1]), difference_at)
+    while len(wide := np.flatnonzero(_bent(y, difference) & (np.diff(y) > NARROW))):
+        between = 0.5 * (y[wide] + y[wide + 1])
+        difference = np.insert(difference, wide + 1, difference_at(wheelset, between))
+        y = np.insert(y, wide + 1, between)
     base, radius = 2.0 * wheelset.mounting.wheel_y, wheelset.mounting.radius
-    return equivalent_conicity(fine, left - right, amplitude, base=base, radius=radius)
+    return equivalent_conicity(y, difference, amplitude, base=base, radius=radius)
+
+
+def _bent(y: Array, difference: Array) -> Array:
+    """Which of the (n - 1) intervals between positions have an end away from the line between its neighbours."""
+    part = np.diff(y)[:-1] / (y[2:] - y[:-2])
+    away = np.abs(difference[:-2] + part * (difference[2:] - difference[:-2]) - difference[1:-1]) > BEND
+    return np.asarray(np.concatenate([[False], away]) | np.concatenate([away, [False]]))
+
+
+def _sampled(
+    wheelset: RigidWheelset, amplitude: float, difference_at: Callable[[RigidWheelset, Array], Array]
+) -> tuple[Array, Array]:
+    """Positions (n,) m at most FINEST apart up to an amplitude m, and the rolling radius difference there.
+
+    They start from 0 where the sides are alike. Sides that differ swing about another position, so that theirs reach
+    farther to both sides, by BEYOND or as far as both wheels touch.
+    """
+    if wheelset.right is None:
+        y = np.linspace(0.0, amplitude, max(2, int(np.ceil(amplitude / FINEST))) + 1)
+        return y, difference_at(wheelset, y)
+    for farther in BEYOND:
+        reach = amplitude + farther
+        y = np.linspace(-reach, reach, 2 * max(2, int(np.ceil(reach / FINEST))) + 1)
+        try:
+            return y, difference_at(wheelset, y)
+        except ValueError:
+            if farther == 0.0:
+                raise
+    raise AssertionError

@@ -6,6 +6,7 @@ import logging
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wheelrail.api.arguments import check_keys
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene, load_scene
 from wheelrail.support.text_file import present
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from wheelrail.meshes.profiles.profile import Kind, Profile
 
 log = logging.getLogger(__name__)
+CHANGES = ("scale", "shift", "mirror", "flip")  # of the points of a profile file, in this order
 
 
 def load(scene: str | Path) -> Hertz | Wheelset:
@@ -96,21 +98,24 @@ def profile(
     rolling_circle: float | None = None,
     section: int | None = None,
     inclination: float = 0.0,
+    **changes: Any,
 ) -> Profile:
     """Profile of a wheel or a rail, lengths in m.
 
     Parameters:
         name: "S1002", "60E1" or "UIC60", "UIC60-benchmark", or a file: Simpack .prr and .prw, MiniProf .ban and .whl,
-            points y, z in .rail, .wheel, .txt, .csv or .dat.
-        kind: "wheel" or "rail"; required for points in .txt, .csv and .dat.
+            columns y, z in any other text.
+        kind: "wheel" or "rail"; required where neither the name nor the suffix says it.
         noise: RMS distance of the smoothed curve from the points, m; 0 interpolates; by default the noise that is
             estimated from the points, where its effect is noticeable.
         rolling_circle: y of the rolling circle in the file of a wheel, m.
         section: number of the section of a file with several ones, from 1.
         inclination: of the rail that the file already contains, rad.
+        changes: of the points of the file, in this order: scale, a factor; shift, (y, z) in m; mirror and flip, whether
+            the sign of y, z changes: True, False, or as recognised.
 
-    Noise, spacing and remarks on the file are in the profile's `measurement`, and logged (`logging`, level INFO).
-    Raises ValueError naming file, line, value and what is allowed.
+    Noise, spacing, the recognised convention and remarks on the file are in the profile's `measurement`, and logged
+    (`logging`, level INFO). Raises ValueError naming file, line, value and what is allowed.
     """
     from wheelrail.meshes.profiles.formats import KIND_OF_SUFFIX
     from wheelrail.meshes.profiles.library import load_profile
@@ -124,9 +129,9 @@ def profile(
             names = ", ".join(NAMES)
             raise ValueError(f"profile {str(name)!r}: must be one of {names}, or a file that exists")
         raise ValueError(f"profile {str(name)!r}: kind is missing, must be {' or '.join(map(repr, KINDS))}")
-    read = load_profile(
-        name, kind, noise=noise, rolling_circle=rolling_circle, section=section, inclination=inclination
-    )
+    check_keys("profile", changes, CHANGES)
+    options = {"noise": noise, "rolling_circle": rolling_circle, "section": section, "inclination": inclination}
+    read = load_profile(name, kind, **options, **changes)
     if read.measurement is not None:
         log.info("%s", read.measurement)
     return read

@@ -60,8 +60,8 @@ class Wheelset:
         curvature: of the track, 1/m, positive to the left.
         more: further keys of a wheelset scene: model ("condensed", "full", "standard", "table"), table, laws ("exact",
             "paper"), bodies, points, strips, cells, falling, ...; left and right, {"wheel", "rail", "radius",
-            "friction", ...} of one side where it differs; noise, rolling_circle, wheel_section and rail_section of
-            profiles from files; and defaults for the arguments of `solve`.
+            "friction", ...} of one side where it differs; noise, rolling_circle, wheel_section, rail_section,
+            wheel_mirror, ... of profiles from files; and defaults for the arguments of `solve`.
             axle: True for an axle of 160 mm that bends, or {"diameter", "steps", "journal", "bore", "weight"}; pads:
             True for rails on pads, or {"vertical", "lateral", "longitudinal", "spacing"}. Without them the wheels do
             not tilt against each other, and the rails are clamped at their feet. sleepers: True for pads on discrete

@@ -15,6 +15,7 @@ MB = 1_000_000
 CHUNK = 1 << 20  # bytes
 DEEPEST = 32  # tables and arrays inside each other, of TOML and JSON
 KINDS = {stat.S_ISDIR: "a folder", stat.S_ISFIFO: "a pipe", stat.S_ISCHR: "a device", stat.S_ISBLK: "a device"}
+WIDE = (b"\xff\xfe", b"\xfe\xff")  # marks of UTF-16
 LONGEST_QUOTE = 200  # characters
 LONGEST_WORD = re.compile(rf"\S{{{LONGEST_QUOTE + 1},}}")
 LONGEST_LINE, MOST_LINES = 1000, 10
@@ -55,12 +56,15 @@ def read_text(path: str | Path, most: float, *, foreign: bool = False) -> str:
     Parameters:
         path: of the file.
         most: largest size, MB.
-        foreign: replace bytes of other encodings, for files of numbers, where they are in comments.
+        foreign: of other software, with numbers: bytes of other encodings, which are in comments, are replaced, and
+            UTF-16 is read.
 
-    Raises FileRefused for anything but a regular file, a file that is too large, UTF-16, and binary files.
+    Raises FileRefused for anything but a regular file, a file that is too large, other encodings, and binary files.
     """
     content = read_bytes(path, most, "a text file")
-    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+    if foreign and content[:2] in WIDE:
+        return content.decode("utf-16", errors="replace")
+    if content[:2] in WIDE:
         raise FileRefused(f"{path}: a text in UTF-16; allowed: text in UTF-8")
     if (zero := content.find(b"\0")) >= 0:
         raise FileRefused(f"{path}, line {_line(content, zero)}: a zero byte, not a text file; allowed: text in UTF-8")

@@ -70,7 +70,9 @@ def rail_waveguide(
         grading: of the mesh.
         tolerance: of the interpolation between wavenumbers.
     """
-    strip = Strip.over(outline, ends or rail_contact_range(outline.profile), half_length=half_length, size=size)
+    strip = Strip.over(
+        outline.surface_range, ends or rail_contact_range(outline.profile), half_length=half_length, size=size
+    )
     return _profiled("rail", outline, strip, None, steel, step or size, half_length, degree, grading, tolerance)
 
 
@@ -90,7 +92,9 @@ def wheel_waveguide(
 
     Parameters as for `rail_waveguide`; lengths along the rim are measured on the rolling circle.
     """
-    strip = Strip.over(outline, ends or wheel_contact_range(outline.profile), half_length=half_length, size=size)
+    strip = Strip.over(
+        outline.surface_range, ends or wheel_contact_range(outline.profile), half_length=half_length, size=size
+    )
     radius = outline.offset[1]
     return _profiled("wheel", outline, strip, radius, steel, step or size, half_length, degree, grading, tolerance)
 
@@ -198,7 +202,7 @@ def _body(
 ) -> WaveguideSection:
     from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
 
-    strip = Strip.over(outline, ends, half_length=HALF_PATCH, size=size)
+    strip = Strip.over(outline.surface_range, ends, half_length=HALF_PATCH, size=size)
     return WaveguideSection(section(outline, strip, grading=grading), steel, degree=degree, radius=radius)
 
 

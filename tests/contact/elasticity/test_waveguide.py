@@ -351,7 +351,7 @@ def lengthened(half_length: float, degree: int) -> tuple[Array, Array]:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
     size, outline = 8e-3, rail_outline(named_profile("UIC60-benchmark"), chord_error=2e-3)
-    strip = Strip.over(outline, rail_contact_range(outline.profile), half_length=2 * size, size=size)
+    strip = Strip.over(outline.surface_range, rail_contact_range(outline.profile), half_length=2 * size, size=size)
     x = layers(strip.half_cells, size, half_length, growth=1.8, largest=80e-3)
     solid = extruded(section(outline, strip, grading=Grading(1.0, 1.0, 40e-3)), x, strip.half_cells)
     body = ElasticBody(solid, Material(), degree=degree)
@@ -410,7 +410,7 @@ def turned_wheel(outline: Outline, size: float, *, largest: float, section_size:
 
     radius = outline.offset[1]
     half = np.pi * radius
-    strip = Strip.over(outline, wheel_contact_range(outline.profile), half_length=2 * size, size=size)
+    strip = Strip.over(outline.surface_range, wheel_contact_range(outline.profile), half_length=2 * size, size=size)
     mesh = section(outline, strip, grading=Grading(1.0, 1.0, section_size))
     x = layers(strip.half_cells, size, half, growth=1.6, largest=largest)
     whole = extruded(mesh, x, strip.half_cells)

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.special import beta
 
 import wheelrail as wr
 from wheelrail.contact.geometry.conicity import equivalent_conicity
+from wheelrail.meshes.curves.arc_length import arc, line
+from wheelrail.meshes.profiles.profile import Kind, Profile, from_sections
 from wheelrail.support.arrays import Array
+
+# profiles and conicities of the standard's cases, from the same repository; too large to be kept here
+TABLES = Path(__file__).parents[4] / "shared" / "reference" / "en15302.json"
 
 # EN 15302:2008+A1:2010, annex E, cases E1 (wheels A) and E2 (wheels B) on rail A, as tabulated in the repository
 # criogenox/B_ECC-Equivalent-Conicity-Calculation: differences of the rolling radii in mm every 0.1 mm of y from 0 on,
@@ -52,6 +60,54 @@ def test_a_narrower_track_makes_s1002_more_conical() -> None:
         for gauge in (1.432, 1.435, 1.438)
     ]
     assert found[0] > found[1] > found[2] > 0.025
+
+
+@pytest.mark.parametrize("slope", [0.025, 0.05, 0.1])
+def test_a_cone_has_the_conicity_of_its_slope(slope: float) -> None:
+    """The standard's wheelset does not roll; with roll the crown of 300 mm under the wheel moves the contact."""
+    wheel = from_sections([line(-0.06 + 0.06j * slope, 0.06 - 0.06j * slope)], name="cone", kind="wheel")
+    rail = from_sections([arc(-0.3j, 0.3, np.pi / 2 + 0.2, np.pi / 2 - 0.2)], name="crown", kind="rail")
+    found = wr.contact_geometry(wheel, rail, [1e-3, 3e-3], gauge_height=0.005)
+    np.testing.assert_allclose(found.equivalent_conicity, slope, rtol=1e-4)
+    assert found.equivalent_conicity_with_roll.values[0] > 1.02 * slope
+
+
+@pytest.mark.skipif(not TABLES.exists(), reason="the tables of the standard are not here")
+@pytest.mark.parametrize("case", ["E1", "E2", "E4", "E5", "E7"])
+def test_reference_profiles_of_en_15302(tmp_path: Path, case: str) -> None:
+    """Within the standard's tolerances; from E5 on the left wheel is 1 mm smaller."""
+    tables = json.loads(TABLES.read_text())
+    given, track = tables["cases"][case], tables["track"]
+
+    def profile(name: str, kind: Kind, sign: float) -> Profile:
+        np.savetxt(tmp_path / f"{name}.txt", np.array(tables["profiles"][name]) * (1.0, sign), fmt="%.5f")
+        return wr.profile(tmp_path / f"{name}.txt", kind, noise=0.0)
+
+    rows = np.array(given["values"])[[0, 2, 4, 6]]
+    found = wr.contact_geometry(
+        profile(f"wheel {given['left']}", "wheel", -1.0),
+        profile("rail", "rail", 1.0),
+        1e-3 * rows[:, 0],
+        gauge=1e-3 * track["gauge"],
+        gauge_height=1e-3 * track["gauge_height"] - 1e-7,  # the table ends at it
+        laying_angle=0.0,
+        flange_back_distance=1e-3 * track["flange_back_distance"],
+        left={"radius": 1e-3 * given["left_radius"]},
+        right={"radius": 1e-3 * given["right_radius"]},
+    ).equivalent_conicity.values
+    assert (found <= rows[:, 2]).all()
+    assert (found >= rows[:, 3]).all()
+
+
+def test_a_motion_that_does_not_return_has_no_conicity() -> None:
+    """Equal radii within 1.6 mm of the middle, as in case E4, or a difference that drives outwards."""
+    y = np.linspace(0.0, 4e-3, 401)
+    for inner in (0.0, -1e-4):
+        difference = np.where(y < 1.6e-3, inner * (y > 0.0), 2e-3)
+        found = equivalent_conicity(y, difference, np.array([1e-3, 3e-3, 5e-3]), base=1.5, radius=0.46)
+        assert found[0] == 0.0
+        assert 0.2 < found[1] < 0.4
+        assert np.isnan(found[2])
 
 
 def test_sides_that_differ_oscillate_about_equal_radii() -> None:

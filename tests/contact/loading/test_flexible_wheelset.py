@@ -254,7 +254,7 @@ def test_refuses_to_start_without_contact() -> None:
 def contact_on_padded_spectrum() -> WheelsetContact:
     """The pads in the spectrum of the rail itself: no motions of the rail as unknowns."""
     outline, size = rail_outline(PROFILES[1]), 1e-3
-    strip = Strip.over(outline, rail_contact_range(outline.profile), half_length=size, size=size)
+    strip = Strip.over(outline.surface_range, rail_contact_range(outline.profile), half_length=size, size=size)
     mesh = section(outline, strip, grading=GRADING)
     along, lateral, vertical = (stiffness / STEEL.E for stiffness in RailPads().per_length)
     body = PaddedSection(mesh, Material(1.0, STEEL.nu), (along, lateral, vertical))

@@ -31,7 +31,7 @@ AREA, INERTIA, LATERAL_INERTIA, TORSION = 76.70e-4, 3038.3e-8, 512.3e-8, 2.1e-6
 
 
 def padded(pads: RailPads) -> PaddedSection:
-    strip = Strip.over(OUTLINE, rail_contact_range(OUTLINE.profile), half_length=4e-3, size=4e-3)
+    strip = Strip.over(OUTLINE.surface_range, rail_contact_range(OUTLINE.profile), half_length=4e-3, size=4e-3)
     return PaddedSection(section(OUTLINE, strip, grading=Grading(1.0, 0.4, 8e-3)), STEEL, pads.per_length)
 
 

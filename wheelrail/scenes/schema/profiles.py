@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import PrivateAttr, Strict, ValidationInfo, field_validator, model_validator
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.laws import FrictionKey
@@ -19,12 +19,13 @@ if TYPE_CHECKING:
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 BODIES: tuple[Kind, Kind] = ("wheel", "rail")
+OF_POINTS = ("section", "scale", "shift", "mirror", "flip")  # of the points of a file, after the name of the body
 OF_FILES: dict[str, tuple[Kind, ...]] = {  # keys on reading a file, and the bodies that they are for
     "noise": BODIES,
     "rolling_circle": ("wheel",),
-    "wheel_section": ("wheel",),
-    "rail_section": ("rail",),
+    **{f"{body}_{key}": (body,) for body in BODIES for key in OF_POINTS},
 }
+Shift = Annotated[tuple[q.PointShift, q.PointShift], Strict(False)]
 
 
 class PairTable(SceneTable):
@@ -33,6 +34,8 @@ class PairTable(SceneTable):
     laying_angle: inclination of the rail, rad. noise: RMS distance of the smoothed curves from the points of files, m,
     0 interpolates; by default the noise that is estimated from the points. rolling_circle: y of the rolling circle in
     the file of the wheel, m. wheel_section, rail_section: number of the section of a file with several ones.
+    wheel_scale, ...: changes of its points, in this order: a factor, a shift of (y, z), m, and whether the signs of y
+    (mirror) and z (flip) change, by default as recognised.
     """
 
     wheel: str | None = None
@@ -42,6 +45,14 @@ class PairTable(SceneTable):
     rolling_circle: q.RollingCircle | None = None
     wheel_section: q.Section | None = None
     rail_section: q.Section | None = None
+    wheel_scale: q.PointScale | None = None
+    rail_scale: q.PointScale | None = None
+    wheel_shift: Shift | None = None
+    rail_shift: Shift | None = None
+    wheel_mirror: bool | None = None
+    rail_mirror: bool | None = None
+    wheel_flip: bool | None = None
+    rail_flip: bool | None = None
 
     @field_validator("wheel", "rail")
     @classmethod
@@ -128,8 +139,8 @@ class ProfilesTable(PairTable):
         name = str(getattr(pair, body))
         profile: Profile | None = self._given.get(name)
         if profile is None:
-            section = pair.wheel_section if body == "wheel" else pair.rail_section
+            options = {key: getattr(pair, f"{body}_{key}") for key in OF_POINTS}
             circle = pair.rolling_circle if body == "wheel" else None
-            profile = load_profile(name, body, noise=pair.noise, rolling_circle=circle, section=section)
+            profile = load_profile(name, body, noise=pair.noise, rolling_circle=circle, **options)
         require_usable(profile.measurement)
         return profile
