@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 from small_strips import few_strips
 from spring_contact import patch
 from standin_contact import CONTACT
@@ -28,6 +29,9 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, StillRunning, read_header
 from wheelrail.scenes.runs.checkpoint_format import PACKAGES, Unreadable, checksum_of, entries
 from wheelrail.scenes.runs.resume import differences
+from wheelrail.scenes.runs.run import run_scene
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.support.plain_data import decode, encode
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
@@ -290,6 +294,21 @@ def test_a_checkpoint_with_other_values_is_not_read(tmp_path: Path) -> None:
     assert checkpoint_file(crafted(tmp_path / "checkpoints", encode(at))).latest() is not None
     with pytest.raises(ValueError, match="checkpoint: a state of shape"):
         run(checkpoints=Checkpoints(30, print, replace(at, state=at.state[:-1])))
+    two = replace(row, force=np.concatenate([row.force] * 2))
+    for other in (replace(at, rows=[two]), replace(at, guess={"wheelset_1": at.guess["wheelset"]})):
+        with pytest.raises(ValueError, match="forces of other wheelsets: must be those of wheelset"):
+            run(checkpoints=Checkpoints(30, print, other))
+
+
+def test_a_checkpoint_of_another_vehicle_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = (SCENES / "curve.toml").read_text(encoding="utf-8").replace("workers = 2", "workers = 1")
+    at, scene = decode(kept(30)[1][1], PACKAGES), parse_scene(text)
+    assert isinstance(scene, RunScene)
+    other = replace(at, state=at.state[:-1])
+    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (CONTACT, None))
+    monkeypatch.setattr("wheelrail.scenes.runs.resume.latest", lambda *given: other)
+    with pytest.raises(SceneError, match=r"checkpoints.*a state of shape \(19,\): must be \(20,\); omit --resume"):
+        run_scene(scene, text, tmp_path, Console(), resume=True)
 
 
 def test_a_pipe_in_place_of_a_checkpoint_file_is_none(tmp_path: Path) -> None:

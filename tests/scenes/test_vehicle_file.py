@@ -88,6 +88,19 @@ def replaced(old: str, new: str) -> Callable[[str], str]:
         ),
         (replaced("x = 0.0\n", 'x = 0.0\nheld = ["y", "sway"]\n'), "bodies.car_body.held"),
         (lambda text: "[bodies]", "elements: missing"),
+        (replaced("x = 0.0\n", 'x = 0.0\nheld = ["x", "x"]\n'), 'held = ["x", "x"]: must name each coordinate once'),
+        (
+            replaced("[56800.0, 1.97e6, 1.97e6]", "[56800.0, 9.97e6, 1.97e6]"),
+            "none of the three greater than the sum of the other two",
+        ),
+        (
+            lambda text: text.replace("31.391e6, 3.884e6, 1.220e6", "31.391e6, 0.0, 1.220e6"),
+            "_bogie: must be held laterally by a spring, or y be one of held",
+        ),
+        (
+            lambda text: text.replace("31.391e6,", "0.0,"),
+            ": must be held along the track by a spring, or x be one of held",
+        ),
     ],
 )
 def test_what_is_wrong_is_named(edit: Callable[[str], str], message: str, tmp_path: Path) -> None:

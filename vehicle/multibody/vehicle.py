@@ -9,6 +9,7 @@ from math import inf, isfinite
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 COORDINATES = ("x", "y", "z", "roll", "pitch", "yaw")  # of a body in the track frame at its own distance
+ROUNDED = 1e-3  # of moments of inertia in a file
 
 Laws = tuple[Law, Law, Law]  # along x, y, z
 
@@ -229,6 +230,12 @@ def _check_body(key: str, body: VehicleBody) -> None:
         raise InvalidVehicle(f"{key}.x", "must be finite")
     if not set(body.held) <= set(COORDINATES):
         raise InvalidVehicle(f"{key}.held", f"must be of {', '.join(COORDINATES)}")
+    if len(set(body.held)) < len(body.held):
+        raise InvalidVehicle(f"{key}.held", "must name each coordinate once")
+    turns = not {"roll", "pitch", "yaw"} & set(body.held)
+    if turns and max(body.inertia) > (1.0 + ROUNDED) * (sum(body.inertia) - max(body.inertia)):
+        text = "must be that of a body: none of the three greater than the sum of the other two"
+        raise InvalidVehicle(f"{key}.inertia", text)
     if body.wheelset and "yaw" not in body.held and body.inertia[0] != body.inertia[2]:
         raise InvalidVehicle(f"{key}.inertia", "of a wheelset must be equal about x and z: a body of revolution")
 

@@ -10,8 +10,14 @@ from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import Instant
 from wheelrail.vehicle.multibody.contact_differences import ContactDifferences
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.row import Row
+
+
+class OtherVehicle(ValueError):
+    """A checkpoint of another vehicle."""
+
 
 WarmStarts = Mapping[str, ElementState[Side]]  # by wheelset
 
@@ -43,6 +49,15 @@ class Checkpoint:
     differences: ContactDifferences | None
     cost: RunCost
     rows: Sequence[Row]
+
+    def require_fit(self, dynamics: VehicleDynamics) -> None:
+        """Raises OtherVehicle where a size is not that of a vehicle."""
+        wheelsets, tangents = dynamics.vehicle.wheelsets, self.differences
+        if self.state.shape != (dynamics.size,):
+            raise OtherVehicle(f"checkpoint: a state of shape {self.state.shape}: must be ({dynamics.size},)")
+        found = {len(row.force) for row in self.rows} | ({len(tangents.tangents)} if tangents is not None else set())
+        if found - {len(wheelsets)} or (self.guess is not None and set(self.guess) != set(wheelsets)):
+            raise OtherVehicle(f"checkpoint: forces of other wheelsets: must be those of {', '.join(wheelsets)}")
 
 
 @dataclass(frozen=True)

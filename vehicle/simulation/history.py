@@ -80,8 +80,7 @@ class History:
     def frictional_power(self) -> Array:
         """(n, w, 2) W."""
         powers = [
-            [[sum(patch.frictional_power for patch in wheel) for wheel in pair] for pair in row.patches]
-            for row in self.rows
+            [[wheel.column("frictional_power").sum() for wheel in pair] for pair in row.patches] for row in self.rows
         ]
         return self._of_wheels(powers)
 

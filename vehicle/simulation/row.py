@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
+from wheelrail.contact.results.packed_patches import WIDTH, PackedPatches
+from wheelrail.contact.results.result import ContactResult, LazyPatches
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.equations import VehicleEvaluation
 
-PatchPair = tuple[tuple[Patch, ...], tuple[Patch, ...]]
+PatchPair = tuple[PackedPatches, PackedPatches]
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Row:
             force=np.array([[wheel.force for wheel in pair] for pair in wheels]),
             moment=np.array([[wheel.moment for wheel in pair] for pair in wheels]),
             approach=np.array([[wheel.approach for wheel in pair] for pair in wheels]),
-            patches=tuple((tuple(left.patches), tuple(right.patches)) for left, right in wheels),
+            patches=tuple((PackedPatches.of(left.patches), PackedPatches.of(right.patches)) for left, right in wheels),
             contact_status=tuple((left.status, right.status) for left, right in wheels),
         )
 
@@ -51,7 +52,13 @@ class Row:
             is_array(self.state, shape)
             and all(is_array(values, (*count, 2, 3)) for values in (self.force, self.moment))
             and is_array(self.approach, (*count, 2))
+            and isinstance(self.patches, tuple)
+            and all(isinstance(pair, tuple) and all(map(_are_patches, pair)) for pair in self.patches)
         )
+
+
+def _are_patches(value: Any) -> bool:
+    return isinstance(value, PackedPatches) and is_array(value.values, (*np.shape(value.values)[:1], WIDTH))
 
 
 def without_contacts(evaluation: VehicleEvaluation, reason: str) -> VehicleEvaluation:

@@ -63,8 +63,8 @@ class TimeRun:
         progress: called at each accepted step with the completed fraction and statistics.
         until: distance m at which the run is complete.
 
-    A vehicle that runs free and slows down to `SLOWEST` has stopped: the run is complete, too. Raises ValueError for a
-    checkpoint of another state.
+    A vehicle that runs free and slows down to `SLOWEST` has stopped: the run is complete, too. Raises OtherVehicle, a
+    ValueError, for a checkpoint of another one.
     """
 
     def __init__(
@@ -80,8 +80,8 @@ class TimeRun:
         self.limits, self.until = limits, until
         self.span, self.steps, self.progress, self.checkpoints = span, steps, progress, recording.checkpoints
         self.latest = self.checkpoints.latest if self.checkpoints else None
-        if self.latest is not None and self.latest.state.shape != (dynamics.size,):
-            raise ValueError(f"checkpoint: a state of shape {self.latest.state.shape}: must be ({dynamics.size},)")
+        if self.latest is not None:
+            self.latest.require_fit(dynamics)
         self.cost = (
             deepcopy(self.latest.cost) if self.latest else RunCost(contact={side: ContactCost() for side in SIDES})
         )

@@ -121,6 +121,7 @@ def parse_vehicle(text: str, path: str | Path, *, warn: bool = False) -> Vehicle
     """
     from wheelrail.vehicle.multibody.static_loads import static_loads
     from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
+    from wheelrail.vehicle.steady.held_bodies import require_held
 
     data = _with_types(parse(text, path), path)
     try:
@@ -132,6 +133,7 @@ def parse_vehicle(text: str, path: str | Path, *, warn: bool = False) -> Vehicle
     try:
         vehicle = _vehicle(table)
         static_loads(vehicle)  # validates that every body is carried
+        require_held(vehicle)
     except InvalidVehicle as error:
         raise SceneError(f"{path}: {entry_message(tuple(error.key.split('.')), data, error.allowed)}") from None
     return vehicle

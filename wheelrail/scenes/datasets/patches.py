@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wheelrail.contact.results.packed_patches import WIDTH, PackedPatches
+
 if TYPE_CHECKING:
     from wheelrail.contact.results.result import Patch
 
@@ -100,18 +102,19 @@ def patch_variables(
 
     The index of a patch is its place in the list of its sample.
     """
-    counts = np.array([len(patches) for patches in lists], dtype=int).reshape(shape)
+    packed = [PackedPatches.of(patches) for patches in lists]
+    counts = np.array([len(patches) for patches in packed], dtype=int).reshape(shape)
     present = np.arange(max(1, counts.max(initial=0))) < counts[..., None]
-    listed = [patch for patches in lists for patch in patches]
+    listed = PackedPatches(np.concatenate([np.empty((0, WIDTH)), *(patches.values for patches in packed)]))
     by_patch = (*dimensions, "patch")
     variables: dict[str, Any] = {"patches": (dimensions, counts, means("1", "number of contact patches"))}
     for name, (attribute, index, units, text) in PATCH_VARIABLES.items():
-        values = [getattr(patch, attribute) for patch in listed]
+        values = listed.column(attribute)
         filled = np.full(present.shape, np.nan)
-        filled[present] = values if index is None else [value[index] for value in values]
+        filled[present] = values if index is None else values[:, index]
         variables[name] = (by_patch, filled, means(units, text))
     for name, text in BANDS.items():
         filled = np.full((*present.shape, 2), np.nan)
-        filled[present] = np.array([getattr(patch, name) for patch in listed]).reshape(-1, 2)
+        filled[present] = listed.column(name)
         variables[name] = ((*by_patch, "edge"), filled, means("m", text))
     return variables

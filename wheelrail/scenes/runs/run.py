@@ -91,6 +91,7 @@ def run_scene(
     """
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile, read_header
     from wheelrail.scenes.runs.resume import header, latest
+    from wheelrail.vehicle.simulation.checkpoint import OtherVehicle
 
     folder.mkdir(parents=True, exist_ok=True)
     report = partial(console.print, highlight=False, markup=False, soft_wrap=True)
@@ -102,7 +103,10 @@ def run_scene(
     elif not resume and (folder / RESULTS).exists():
         report(f"{folder} contains the results of an earlier run, which this one overwrites")
     start = latest(checkpoint_file, checkpoint_file.report) if resume else None
-    history = _simulated(scene, console, vehicle, checkpoint_file, start)
+    try:
+        history = _simulated(scene, console, vehicle, checkpoint_file, start)
+    except OtherVehicle as error:
+        raise SceneError(f"{checkpoint_file.path}: {error}; omit --resume to start a new run") from None
     if not len(history):
         return RunOutcome(history, ())
     with console.status("results and figures"):
