@@ -251,7 +251,7 @@ MALFORMED = [
     (HERTZ, "E = 210e9", "E = 210e3", ("upper.E = 210000.0", "MPa")),
     (HERTZ, "nu = 0.3", "nu = 0.5", ("upper.nu = 0.5", "between -1 and 0.5, ends excluded")),
     (HERTZ, "nu = 0.3", "nu = 0.3\nG = 8e10", ("upper.G = 80000000000.0: unknown key", "allowed are radii, E, nu")),
-    (HERTZ, "[lower]", "[lwoer]", ("lower: missing", "a table with the keys radii, E, nu")),
+    (HERTZ, "[lower]", "[lwoer]", ("lwoer: unknown key; did you mean lower?",)),
     (WHEELSET, 'sides = ["left", "right"]', "sides = []", ("sides = []", '"left" or "right"')),
     (WHEELSET, 'sides = ["left", "right"]', 'sides = ["left", "middle"]', ('sides[1] = "middle"', '"left" or "right"')),
     (WHEELSET, 'sides = ["left", "right"]', 'sides = ["left", "left"]', ("sides = ", "at most once")),
