@@ -17,6 +17,7 @@ from benchmarks.population.judge import Verdict, judged, model_of
 
 TURN = 100  # situations of one process, whose caches grow
 SLOWER = 3.0  # times the limit, of bodies whose compliance is computed
+FIRST = 5.0  # times the limit, of the first situation of a process: machine code
 BUSY = 10.0  # times the limit, in which a process that shares its processor has spent it
 TICKS = os.sysconf("SC_CLK_TCK")  # 1/s
 
@@ -52,7 +53,7 @@ class _Worker:
 
     def give(self, seed: int) -> None:
         bodies = situation(seed, self.plan.measured, self.plan.quick).wheelset.get("bodies", "half-space")
-        self.limit = self.plan.limit * (1.0 if bodies == "half-space" else SLOWER)
+        self.limit = self.plan.limit * (1.0 if bodies == "half-space" else SLOWER) * (1.0 if self.done else FIRST)
         self.seed, self.deadline, self.spent = seed, monotonic() + BUSY * self.limit, self.processor_time()
         self.pipe.send(seed)
 
