@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.geometry.rigid_search import local_maxima, scan
+from wheelrail.contact.geometry.line_scan import lines_to_scan, scan
+from wheelrail.contact.geometry.rigid_search import local_maxima
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.kinematics.frames import SIDES, Pose, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
@@ -16,6 +17,7 @@ TOUCH = 1e-9  # m, penetration at first contact
 TOLERANCE = 1e-11  # m
 NUDGE = 1e-6  # m, penetration at which separated bodies are searched
 ITERATIONS = 40  # of Newton's method
+END = 1e-8  # m, from an end of the wheel's profile: closer places are the end
 STEP = 2.5e-4  # m, lateral continuation step
 LEAN = 1e-3  # cosine: a steeper contact plane cannot carry the wheel
 
@@ -80,20 +82,24 @@ def contact_point(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState
 
 
 def _largest_penetration(pair: RigidWheelRail, pose: Pose) -> FirstContact:
-    """The largest local maximum of the penetration, or else the line with the smallest distance."""
+    """The largest local maximum of the penetration, or else the place of the smallest distance.
+
+    Raises ValueError where it is an end of a profile.
+    """
     rotation = np.ascontiguousarray(pose.rotation)
     wheel, rail, lines = pair.wheel.shape, pair.rail.shape, pair.lines
-    samples = scan(rail, lines, pair.radius, pose.origin, rotation)
+    part = lines_to_scan(lines, pair.radius, pose.origin, rotation)
+    samples = scan(rail, lines, pair.radius, pose.origin, rotation, part)
     maxima, _, _, _ = local_maxima(wheel, rail, pair.radius, pose.origin, rotation, lines.s, samples)
     if len(maxima):
         s, depth, x = maxima[maxima[:, 1].argmax()]
     else:
-        i = int(samples.depth.argmax())
-        s, depth, x = lines.s[i], samples.depth[i], samples.x[i]
-        if i in (0, len(lines.s) - 1):
-            raise ValueError("the wheel is beside the rail")
+        s, depth, x = pair.nearest(pose)
     (point,), _ = pair.at(pose, np.array([s]), np.array([x]))
-    foot = float(pair.rail.closest(point[None, 1:]).s[0])
+    closest = pair.rail.closest(point[None, 1:])
+    foot = float(closest.s[0])
+    if not closest.inside[0] or not pair.wheel.s_range[0] + END < s < pair.wheel.s_range[1] - END:
+        raise ValueError("the wheel is beside the rail: they are nearest at an end of a profile")
     return FirstContact(float(s), foot, float(x), point, np.array([0.0, *pair.rail.normal(foot)]), float(depth))
 
 

@@ -12,8 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import roots_legendre
 
-from wheelrail.contact.geometry.quadric_pair import curvature
-from wheelrail.contact.geometry.rigid_search import Lines, level_crossing, local_maxima, lowest, scan
+from wheelrail.contact.geometry.line_scan import Lines, lines_to_scan, scan
+from wheelrail.contact.geometry.quadric_pair import curvature, vertical_approach
+from wheelrail.contact.geometry.rigid_search import Scan, level_crossing, local_maxima, lowest
+from wheelrail.contact.geometry.surface_gap import nearest_place
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.curves.closest_point import Shape, local, next_piece, piece
 from wheelrail.meshes.profiles.profile import Profile
@@ -30,6 +32,7 @@ WIDTHS = HALF * _WEIGHTS
 MIN_PENETRATION = 1e-15  # m: smallest penetration of a strip, for a length above zero
 MIN_SLOPE_COSINE = 0.05  # cosine of the wheel's slope: lower bound for the radius along the rail
 
+UNSOLVED = "beyond the part of its surface that carries contact points"  # of an overlap
 INSIDE = 1e-3  # m under the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
 
 
@@ -103,8 +106,8 @@ class WheelRegions(NamedTuple):
     """Regions of a wheel on a rail, with what they consist of.
 
     Parameters:
-        approach: m, largest penetration.
-        beyond: whether it exceeds the lines.
+        approach: m, largest penetration; without, minus the gap.
+        beyond: whether the penetration reaches an end of the wheel's profile or of the rail's.
         top: (k, 3) m, maxima: position, penetration and x.
         low: (k - 1, 3) m, minima between them, likewise; with the penetration 0 where there is a gap.
         edges: (h,) m, outer ends of the halves of regions: for each maximum with a weight, those on both sides of each
@@ -129,10 +132,13 @@ def wheel_regions(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, lines: Lines, merge: float
 ) -> WheelRegions:
     """Regions of a wheel; parameters as for `profile_regions`, with the pose's origin (3,) m and rotation (3, 3)."""
-    positions, samples = lines.s, scan(rail, lines, radius, origin, rotation)
+    part = lines_to_scan(lines, radius, origin, rotation)
+    positions, samples = lines.s, scan(rail, lines, radius, origin, rotation, part)
     top, low, before, approach = local_maxima(wheel, rail, radius, origin, rotation, positions, samples)
     depth, where, sample = samples.depth, samples.x, samples.sample
-    beyond = depth[0] > 0.0 or depth[-1] > 0.0
+    beyond = first_beyond(samples, part) >= 0
+    if not (beyond or len(top)):
+        approach = nearest_place(wheel, rail, radius, origin, rotation, lines)[1]
     weight, reach = merging_weights(top, low, merge)
     m, most = len(POSITIONS), 2 * len(top) * len(top)
     contacts, edges = np.empty((len(top), 4)), np.empty(most)
@@ -181,6 +187,28 @@ def wheel_regions(
 
 
 @borrowing
+def first_beyond(samples: Scan, part: tuple[int, int]) -> int:
+    """First line of a scan at which the penetration reaches an end of the wheel's profile, or of the rail's; -1
+    without.
+
+    Parameters:
+        samples: the scan.
+        part: the first of its lines, and one past the last.
+    """
+    depth, sample = samples.depth, samples.sample
+    for i in range(part[0], part[1]):
+        if depth[i] > 0.0:
+            if i == 0 or i == len(depth) - 1:
+                return i
+            before, after = i - 1, i + 1
+            if before >= part[0] and sample[before] < 0 and 2.0 * depth[i] > depth[after]:
+                return i
+            if after < part[1] and sample[after] < 0 and 2.0 * depth[i] > depth[before]:
+                return i
+    return -1
+
+
+@borrowing
 def half_limit(positions: Array, low: Array, j: int, direction: int) -> float:
     """Position m up to which the half of a region around maximum j may extend, in direction -1 or 1: the minimum before
     the next maximum, or the end of the lines.
@@ -202,13 +230,13 @@ def profile_regions(
         lines: of the wheel's profile on which the penetration is sampled.
         merge: m, maxima closer than that are one contact.
 
-    Raises ValueError for a penetration beyond the lines, and for a wheel inside the rail.
+    Raises ValueError for a penetration that reaches an end of a profile, and for a wheel inside the rail.
     """
     found = wheel_regions(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
     )
     if found.beyond or not len(found.contacts):
-        check_outside(rail, radius, pose, lines, found.beyond)
+        check_outside(wheel, rail, radius, pose, lines)
         return None, found.approach
     peak, peak_x, depth, weight = found.contacts.T
     s, x, width, penetration, radii = found.strips.T
@@ -216,17 +244,27 @@ def profile_regions(
     return regions, found.approach
 
 
-def check_outside(rail: Profile, radius: float, pose: Pose, lines: Lines, beyond: bool) -> None:
-    """Raises ValueError for a wheel without contacts that lies inside the rail or overlaps it beyond the lines.
+def check_outside(wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines) -> None:
+    """Raises ValueError for a wheel without contacts that lies inside the rail or overlaps it at an end of a profile.
 
-    Parameters:
-        rail, radius, pose, lines: as for `profile_regions`.
-        beyond: whether it overlaps the rail beyond the lines.
+    Parameters as for `profile_regions`.
     """
-    if beyond:
-        raise ValueError("the wheel overlaps the rail beyond the part of its surface that can contact rails")
+    rotation = np.ascontiguousarray(pose.rotation)
+    part = lines_to_scan(lines, radius, pose.origin, rotation)
+    samples = scan(rail.shape, lines, radius, pose.origin, rotation, part)
+    i = first_beyond(samples, part)
+    if i >= 0:
+        profile = wheel if i in (0, len(lines.s) - 1) else rail
+        raise ValueError(overlap_text(samples.depth[i], wheel.point(lines.s[i]), f"where profile {profile.name} ends"))
     if _inside(rail, radius, pose, lines):
         raise ValueError("the wheel lies inside the rail, too deep for a contact")
+
+
+def overlap_text(depth: float, place: Array, reason: str) -> str:
+    """Text on an overlap that is not solved: its depth m, place (y, z) m on the wheel's profile, and the reason."""
+    y, z = 1e3 * place
+    at = f"at y = {y:.1f}, z = {z:.1f} mm of its profile"
+    return f"the wheel overlaps the rail {1e3 * depth:.3g} mm deep {at}, {reason}"
 
 
 def _inside(rail: Profile, radius: float, pose: Pose, lines: Lines) -> bool:
@@ -250,7 +288,7 @@ def quadric_regions(
     above, below = curvature(upper), curvature(lower)
     x, y = pose.origin[:2] * above / (above + below)
     A, B = above + below
-    approach = float(-pose.origin[2] - (pose.origin[:2] ** 2 * above * below / (above + below)).sum())
+    approach = vertical_approach(upper, lower, pose)
     if approach <= 0.0:
         return None, approach
     half = np.sqrt(VIRTUAL * approach / B)

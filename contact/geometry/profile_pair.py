@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.geometry.grid_points import GridPoints, Interpolation
+from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import Pose
@@ -89,11 +90,13 @@ class ProfilePair:
 
     def contact_points(self, pose: Pose, steps: int) -> tuple[GridPoints | None, float]:
         """Candidates: wheel points inside the undeformed rail; see `SurfacePair`."""
+        if unsolved := self.rigid.unsolved(pose, self.arc[0], self.arc[-1]):
+            raise OutsideSurface(unsolved)
         point = pose.origin + self.surface[0] @ pose.rotation.T
         # Points below the rail's top line are inside the rail; outside its lateral range there is no contact.
         depth = np.interp(point[:, 1], *self.skyline, left=-np.inf, right=-np.inf) - point[:, 2]
         if not (depth > 0).any():
-            return None, float(depth.max())
+            return None, self._separated(pose)
         nx, ns = self.wheel_grid.shape
         stride = self.wheel_grid.stride
         mask = (depth > 0).reshape(nx, ns)
@@ -107,7 +110,7 @@ class ProfilePair:
             raise OutsideSurface(_beyond(depth, f"it passes the last line towards the {end}"))
         node = np.flatnonzero((depth > 0) & (self.wheel_grid.weight.ravel() > 0))
         if not len(node):
-            return None, float(depth.max())
+            return None, self._separated(pose)
         upstream = node + np.arange(steps + 1)[:, None] * stride * ns
         nodes, inverse = np.unique(upstream, return_inverse=True)
         projection = self.rail.closest(point[nodes][:, 1:])
@@ -127,7 +130,7 @@ class ProfilePair:
             rail_s, projected = rail_s[positive], projected[positive]
             inverse = inverse.reshape(steps + 1, -1)[:, positive].ravel()
         if not len(node):
-            return None, float(depth.max())
+            return None, self._separated(pose)
         interpolation = self._rail_interpolation(point[nodes, 0], projection.s)
         inverse = inverse.ravel()
         line = node % ns
@@ -149,6 +152,15 @@ class ProfilePair:
             ),
             float(penetration.max()),
         )
+
+    @cached_property
+    def rigid(self) -> RigidWheelRail:
+        """The surfaces as those of rigid bodies."""
+        return RigidWheelRail(self.wheel, self.rail, self.radius)
+
+    def _separated(self, pose: Pose) -> float:
+        """Approach m of a pose without candidates: minus the gap."""
+        return min(self.rigid.approach(pose), 0.0)
 
     def _rail_interpolation(self, x: Array, s: Array) -> Interpolation:
         """Interpolation on the rail's grid at x, s (m,) m by tensor products of linear or quadratic shape functions."""

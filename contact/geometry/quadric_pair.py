@@ -41,7 +41,7 @@ class QuadricPair:
         )
         inside = penetration > 0
         if not inside.any():
-            return None, float(penetration.max())
+            return None, min(vertical_approach(self.upper, self.lower, pose), 0.0)
         mask = inside.reshape(self.grid.shape)
         if mask[0].any() or mask[:, 0].any() or mask[:, -1].any() or mask[-1 - steps * self.grid.stride :].any():
             raise OutsideSurface(
@@ -77,3 +77,14 @@ class QuadricPair:
 def curvature(radii: tuple[float, float]) -> Array:
     """Coefficients 1 / (2 R) of the parabola, 1/m."""
     return 0.5 / np.asarray(radii, dtype=float)
+
+
+def vertical_approach(upper: tuple[float, float], lower: tuple[float, float], pose: Pose) -> float:
+    """Largest penetration m along z; negative is the gap.
+
+    Parameters:
+        upper, lower: principal radii in x and y, m, as of a `QuadricPair`.
+        pose: of the upper body's apex.
+    """
+    above, below = curvature(upper), curvature(lower)
+    return float(-pose.origin[2] - (pose.origin[:2] ** 2 * above * below / (above + below)).sum())

@@ -22,17 +22,14 @@ from wheelrail.meshes.curves.closest_point import (
     next_piece,
     piece,
 )
-from wheelrail.meshes.profiles.profile import Profile
-from wheelrail.support.arrays import Array, Complex, Nodes
+from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.compiled import borrowing, unchecked
 
 MAXIMA = 8  # at most, more than a wheel and a rail can have
 NEAR = -1e-4  # m: sampled maxima lower than that are not refined
-NONE = -1.0  # m: penetration beside the rail
 CLOSE = 1e-9  # m: smallest distance of a maximum and a minimum
 ITERATIONS = 12  # for the lowest point of a yawed wheel
 LOWEST = 1e-7  # m, last change of its x by Newton's method, with which the error of the penetration is quadratic
-SCANNED = 1e-5  # m, last change of its x on sampled lines: the penetration before it is exact to 1e-10 m
 LAST = 1e-10  # m, last change of its x in turns with the closest point: the next one is a thousand times smaller
 LARGE = 0.1  # rad, beyond the difference between neighbouring lines
 
@@ -42,7 +39,7 @@ def deepest(
     wheel: Shape, rail: Shape, radius: float, origin: Array, rotation: Array, s: float, x: float, sample: int
 ) -> tuple[float, float, float, int]:
     """Penetration m of line s at its lowest point, where the wheel's forward direction is parallel to the rail; its
-    slope by s, the lowest x m, and the rail's nearest sample.
+    slope by s, the lowest x m, and the rail's nearest sample. Beside the rail: minus the distance from its end.
 
     Parameters:
         wheel, rail: shapes of the profiles.
@@ -110,8 +107,12 @@ def lowest(
 def lowest_at_foot(
     rail: Shape, radius: float, origin: Array, rotation: Array, z: complex, t: complex, x: float, sample: int
 ) -> tuple[float, float, float, int]:
-    """As `lowest`, at corners and beside the ends of the rail too: closest points of the rail and angles in turns."""
-    r, j, at, depth, slope, bottom = z.imag + radius, -1, 0.0, NONE, 0.0, x
+    """As `lowest`, at corners and beside the ends of the rail too: closest points of the rail and angles in turns.
+
+    Beside the ends the penetration is minus the distance from them, the smallest that is found.
+    """
+    r, j, at, depth, slope, bottom = z.imag + radius, -1, 0.0, 0.0, 0.0, x
+    beside = -np.inf, 0.0, x
     sine, cosine = np.sin(x / radius), np.cos(x / radius)
     for _ in range(1 + ITERATIONS):
         y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
@@ -121,13 +122,17 @@ def lowest_at_foot(
             at = rail.samples[sample]
             j = piece(rail, at)
         at, height, inside, j = foot_from(rail, q, at, j)
-        if not inside:
-            return NONE, 0.0, x, sample
-        _, along, _ = local(rail, at, j)
+        end, along, _ = local(rail, at, j)
         ny, nz = -along.imag, along.real
+        if not inside:
+            height = abs(q - end)
+            if height > 0.0:
+                ny, nz = (q.real - end.real) / height, (q.imag - end.imag) / height
         ty = rotation[1, 0] * t.imag * sine + rotation[1, 1] * t.real - rotation[1, 2] * t.imag * cosine
         tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
         depth, slope = -height, -(ty * ny + tz * nz)
+        if not inside and depth > beside[0]:
+            beside = depth, slope, bottom
         forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
         if upward == 0.0:
             break
@@ -136,6 +141,8 @@ def lowest_at_foot(
             break
         size = np.copysign(np.sqrt(forward * forward + upward * upward), upward)
         sine, cosine = -forward / size, upward / size
+    if not inside:
+        return beside[0], beside[1], beside[2], sample
     return depth, slope, bottom, sample
 
 
@@ -214,7 +221,7 @@ def level_crossing(
             inner = s
         else:
             outer = s
-        new = s - (depth - level) / slope if slope != 0.0 and depth != NONE else 0.5 * (inner + outer)
+        new = s - (depth - level) / slope if slope != 0.0 else 0.5 * (inner + outer)
         if not min(inner, outer) <= new <= max(inner, outer):
             new = 0.5 * (inner + outer)
         moved, s = abs(new - s), new
@@ -223,99 +230,13 @@ def level_crossing(
     return s
 
 
-class Lines(NamedTuple):
-    """Lines of the wheel's profile on which the penetration is sampled, complex numbers y + iz.
-
-    Parameters:
-        s: (n,) m, arc lengths on the wheel's profile.
-        point, tangent: (n,) m and 1, there.
-        rail_tangent: (m,), at the rail's samples.
-        rail_curvature: (m,) 1/m, there, positive where it is convex.
-    """
-
-    s: Array
-    point: Complex
-    tangent: Complex
-    rail_tangent: Complex
-    rail_curvature: Array
-
-    @classmethod
-    def of(cls, wheel: Profile, rail: Profile, s: Array) -> Lines:
-        at = rail.shape.samples
-        own = _complex(wheel.point(s)), _complex(wheel.tangent(s))
-        return cls(s, own[0], own[1], _complex(rail.tangent(at)), rail.curvature(at))
-
-
-def _complex(pairs: Array) -> Complex:
-    return np.ascontiguousarray(pairs[:, 0] + 1j * pairs[:, 1])
-
-
 class Scan(NamedTuple):
-    """Penetration (n,) m, its slope, x m, and the rail's nearest sample at every line."""
+    """Penetration (n,) m, its slope, x m, and the rail's nearest sample, -1 beside the rail, at every line."""
 
     depth: Array
     slope: Array
     x: Array
     sample: Nodes
-
-
-@unchecked
-def scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Array) -> Scan:
-    """Penetration at all lines, to about 1e-9 m, from the rail's samples and its curvature there.
-
-    Parameters:
-        rail: shape of the profile.
-        lines: of the wheel.
-        radius: nominal rolling radius, m.
-        origin, rotation: (3,) m and (3, 3), pose of the wheel.
-    """
-    n = len(lines.s)
-    result = Scan(np.full(n, NONE), np.zeros(n), np.zeros(n), np.zeros(n, dtype=np.int64))
-    fill_scan(rail, lines, radius, origin, rotation, result)
-    return result
-
-
-@borrowing
-def fill_scan(rail: Shape, lines: Lines, radius: float, origin: Array, rotation: Array, result: Scan) -> None:
-    """Fill the lines of a scan that meet the rail; other parameters as for `scan`."""
-    depth, slope, where, nearest = result.depth, result.slope, result.x, result.sample
-    n, last, sample, sine, cosine, advance = len(lines.s), len(rail.samples) - 1, -1, 0.0, 1.0, 0
-    for i in range(n):
-        z, t, before = lines.point[i], lines.tangent[i], sample
-        r = z.imag + radius
-        if sample >= 0:
-            sample = min(max(sample + advance, 0), last)
-        for _ in range(ITERATIONS):
-            y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
-            h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
-            q = complex(y, h)
-            sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
-            offset, along, curvature = (
-                q - rail.sampled[sample],
-                lines.rail_tangent[sample],
-                lines.rail_curvature[sample],
-            )
-            a = offset.real * along.real + offset.imag * along.imag
-            d = offset.imag * along.real - offset.real * along.imag
-            a /= 1.0 + curvature * d  # to the closest point on the circle of curvature
-            bend = a * curvature
-            even = 1.0 - 0.5 * bend * bend
-            ny, nz = along.real * bend - along.imag * even, along.real * even + along.imag * bend
-            forward, upward = ny * rotation[1, 0] + nz * rotation[2, 0], ny * rotation[1, 2] + nz * rotation[2, 2]
-            if upward == 0.0:
-                break
-            size = np.copysign(np.sqrt(forward * forward + upward * upward), upward)
-            changed, sine, cosine = sine, -forward / size, upward / size
-            if abs(sine - changed) * radius < SCANNED:
-                break
-        advance = sample - before if before >= 0 else 0
-        if (sample == 0 and a < 0.0) or (sample == last and a > 0.0):
-            sample, sine, cosine = -1, 0.0, 1.0
-            continue
-        ty = rotation[1, 0] * t.imag * sine + rotation[1, 1] * t.real - rotation[1, 2] * t.imag * cosine
-        tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
-        depth[i], slope[i] = -(d + 0.5 * curvature * a * a * (1.0 + curvature * d)), -(ty * ny + tz * nz)
-        where[i], nearest[i] = radius * np.arcsin(sine), sample
 
 
 @unchecked

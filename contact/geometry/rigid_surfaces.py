@@ -9,12 +9,15 @@ from typing import Protocol
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import (
+    UNSOLVED,
     PenetrationRegions,
     check_outside,
+    overlap_text,
     profile_regions,
     quadric_regions,
 )
-from wheelrail.contact.geometry.rigid_search import Lines
+from wheelrail.contact.geometry.line_scan import Lines, lines_to_scan, scan
+from wheelrail.contact.geometry.surface_gap import nearest_place
 from wheelrail.contact.geometry.wheel_surface import profile_places, wheel_points
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.bodies.solids import wheel_contact_range
@@ -75,16 +78,42 @@ class RigidWheelRail:
 
     @cached_property
     def lines(self) -> Lines:
-        start, stop = wheel_contact_range(self.wheel)
-        s = np.linspace(start, stop, int(np.ceil((stop - start) / SPACING)) + 1, dtype=np.float64)
-        return Lines.of(self.wheel, self.rail, s)
+        return Lines.of(self.wheel, self.rail, wheel_contact_range(self.wheel), SPACING)
 
     def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
-    def check(self, pose: Pose, beyond: bool) -> None:
-        """Raises ValueError for a wheel without contacts that lies inside the rail or overlaps it beyond the lines."""
-        check_outside(self.rail, self.radius, pose, self.lines, beyond)
+    def check(self, pose: Pose) -> None:
+        """Raises ValueError for a wheel without contacts; see `check_outside`."""
+        check_outside(self.wheel, self.rail, self.radius, pose, self.lines)
+
+    def approach(self, pose: Pose) -> float:
+        """Largest penetration m; separated surfaces have minus their gap, the smallest distance of their points."""
+        return self.nearest(pose)[1]
+
+    def nearest(self, pose: Pose) -> tuple[float, float, float]:
+        """As `wheelrail.contact.geometry.surface_gap.nearest_place`."""
+        rotation = np.ascontiguousarray(pose.rotation)
+        return nearest_place(self.wheel.shape, self.rail.shape, self.radius, pose.origin, rotation, self.lines)
+
+    def unsolved(self, pose: Pose, first: float, last: float) -> str:
+        """Depth and place of the deepest overlap on lines of the wheel that a model leaves out; empty without.
+
+        Parameters:
+            pose: of the wheel.
+            first, last: m, arc lengths between which the model solves contacts.
+        """
+        lines, rotation = self.lines, np.ascontiguousarray(pose.rotation)
+        part = lines_to_scan(lines, self.radius, pose.origin, rotation)
+        left_out = (lines.s[part[0] : part[1]] < first) | (lines.s[part[0] : part[1]] > last)
+        if not left_out.any():
+            return ""
+        depth = scan(self.rail.shape, lines, self.radius, pose.origin, rotation, part).depth[part[0] : part[1]]
+        deepest = int(np.where(left_out, depth, -1.0).argmax())
+        if not (left_out[deepest] and depth[deepest] > 0.0):
+            return ""
+        place = self.wheel.point(lines.s[part[0] + deepest])
+        return overlap_text(depth[deepest], place, UNSOLVED)
 
     @property
     def extent(self) -> tuple[float, float]:

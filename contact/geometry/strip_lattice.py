@@ -21,15 +21,26 @@ SLENDER = 2 / np.pi  # exponent of the ratio of curvatures in that of the semi-a
 
 
 def lattice_sides(surfaces: StripSurfaces, arc: Array, strips: int, offset: float = 0.0) -> Array:
-    """Lateral bounds (K + 1,) m of adjacent strips for a number of strips over a patch: over the lines arc (ns,) m of
-    profiles, over the width of quadrics, which does not depend on the lines of their meshes.
+    """Lateral bounds (K + 1,) m of adjacent strips for a number of strips over a patch: over the whole profile of a
+    wheel, from the first of the lines arc (ns,) m in both directions; over the width of quadrics, which does not depend
+    on the lines of their meshes.
     """
     if isinstance(surfaces, QuadricStrips):
         return _uniform(surfaces, strips, offset)
     assert isinstance(surfaces, ProfileStrips)
-    s = np.arange(arc[0], arc[-1] + 0.5 * SPACING, SPACING)
+    first, last = surfaces.wheel.s_range
+    middle = _steps(surfaces, np.arange(arc[0], arc[-1] + 0.5 * SPACING, SPACING), strips, offset)
+    before, after = (
+        _steps(surfaces, np.append(np.arange(start, stop, np.copysign(SPACING, stop - start)), stop), strips, 0.0)
+        for start, stop in ((middle[0], first), (middle[-1], last))
+    )
+    return np.concatenate([before[:0:-1], middle, after[1:]])
+
+
+def _steps(surfaces: ProfileStrips, s: Array, strips: int, offset: float) -> Array:
+    """Bounds (k,) m of whole strips from the first of positions (n,) m on, and by an offset in strips."""
     width = _widths(surfaces, s) * STRIPS / strips
-    count = np.concatenate([[0.0], np.cumsum(0.5 * (1 / width[1:] + 1 / width[:-1]) * np.diff(s))])
+    count = np.concatenate([[0.0], np.cumsum(0.5 * (1 / width[1:] + 1 / width[:-1]) * np.abs(np.diff(s)))])
     return np.asarray(np.interp(np.arange(int(count[-1] - offset) + 1) + offset, count, s))
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from wheelrail.contact.geometry.quadric_pair import curvature
+from wheelrail.contact.geometry.quadric_pair import curvature, vertical_approach
+from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.geometry.wheel_surface import wheel_place
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.curves.closest_point import Shape, foot, local, nearer_sample, nearest_sample, piece
@@ -40,6 +42,9 @@ class StripSurfaces(Protocol):
 
     def along(self, s: Array) -> Array:
         """Length on the surface at s over length on the rolling circle."""
+
+    def approach(self, pose: Pose) -> float:
+        """Largest penetration m of the whole surfaces; separated ones have minus their gap."""
 
 
 NEXT = 1e-3  # m: points closer than that have neighbouring closest points
@@ -108,6 +113,14 @@ class ProfileStrips:
     def along(self, s: Array) -> Array:
         return stretched(self.wheel.shape, self.radius, s)
 
+    @cached_property
+    def rigid(self) -> RigidWheelRail:
+        """The surfaces as those of rigid bodies."""
+        return RigidWheelRail(self.wheel, self.rail, self.radius)
+
+    def approach(self, pose: Pose) -> float:
+        return self.rigid.approach(pose)
+
 
 @dataclass(frozen=True)
 class QuadricStrips:
@@ -133,3 +146,6 @@ class QuadricStrips:
 
     def along(self, s: Array) -> Array:
         return np.ones_like(s)
+
+    def approach(self, pose: Pose) -> float:
+        return vertical_approach(self.upper, self.lower, pose)

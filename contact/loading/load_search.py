@@ -1,6 +1,8 @@
 """Depth at which a contact carries a given load: a secant search with few solves, each warm-started by the previous.
 
-A smooth contact force is about proportional to depth^1.5: the secant is taken of F^(2/3), which is nearly linear.
+It is kept between a depth that carries less and one that carries more or where the contact fails. Separated surfaces do
+not touch before the upper one has moved by their gap, so that such a depth is known from the first solve on. A smooth
+contact force is about proportional to depth^1.5: the secant is taken of F^(2/3), which is nearly linear.
 """
 
 from __future__ import annotations
@@ -82,7 +84,7 @@ def find_depth_for_load(
         expected: estimate of the approach under the load, m.
         start: depth of the first solve, m.
         rtol: tolerance of the force over the load.
-        deepest: largest depth below the start, m.
+        deepest: largest depth below the start, or below the gap there, m.
         guess: initial guess of the first solve.
 
     Raises LoadError when contact solves fail, or when the load is not reached.
@@ -106,7 +108,9 @@ def find_depth_for_load(
             continue
         guess, force = results, vertical(results)
         value, error = compliant(force), abs(force - load) / load
-        below, above, failed = (depth, above, failed) if force < load else (below, depth, ())
+        gap = max(-penetration, 0.0)
+        start += gap if trial == 1 else 0.0
+        below, above, failed = (max(below, depth + gap), above, failed) if force < load else (below, depth, ())
         if value > 0.0:
             slope, last = _slope(slope, last, (depth, value), penetration), (depth, value)
         stalled = best.error <= NOISE and error >= 0.5 * best.error
@@ -123,7 +127,8 @@ def find_depth_for_load(
             room = 3.0 * max(penetration, expected)
             depth += float(np.clip((target - value) / slope, -room, room)) if slope > 0.0 else expected
         else:
-            depth, stride = depth + max(-penetration, 0.0) + stride, 2.0 * stride
+            stride = expected if gap > stride else stride
+            depth, stride = depth + gap + stride, 2.0 * stride
         slow = trial % 4 == 0 and above - below > 0.25 * width  # one-sided convergence of the secant: bisect instead
         width = above - below if trial % 4 == 0 else width
         if np.isfinite(below + above) and (slow or not below < depth < above):

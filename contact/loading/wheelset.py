@@ -169,12 +169,12 @@ def _first_depth(
         with suppress(LoadError):
             found = _find_depth(frictionless, state, sides, load, expected, FRICTIONLESS)
             return found.depth, found.trials
-    return min(-state.z, *(_initial_depth(contact, state, side, expected) for side in sides)), 0
+    return min(_initial_depth(contact, state, side, expected) for side in sides), 0
 
 
 def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, expected: float) -> float:
-    """Initial depth m: on strips of the expected approach, on a grid where there are not many more candidate points
-    than under the load.
+    """Initial depth m: beyond a gap; on strips of the expected approach, on a grid where there are not many more
+    candidate points than under the load.
 
     0.7 mm on the flange root at a grid of 1 mm are 1600 points, whose compliance takes a gigabyte; under the load they
     are 770. On strips a solve at six times the load takes ten times as long as one under the load.
@@ -182,11 +182,12 @@ def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, e
     own = contact.of(side)
     pose, motion = own.mounting.left_pair(state if side == "left" else state.mirrored())
     if isinstance(own.model, HasProblem):
-        return -state.z - (own.model.problem(pose, motion).approach - expected)
-    if isinstance(own.model, HasGrid):
+        penetration, largest = own.model.problem(pose, motion).approach, expected
+    elif isinstance(own.model, HasGrid):
         try:
-            _, penetration = own.model.geometry.contact_points(pose, 0)
+            penetration, largest = own.model.geometry.contact_points(pose, 0)[1], DEEP * expected
         except OutsideSurface:  # the search recovers from a failed solve
             return -state.z
-        return -state.z - (penetration - expected if penetration > DEEP * expected else 0.0)
-    return -state.z
+    else:
+        return -state.z
+    return -state.z if 0.0 <= penetration <= largest else -state.z - (penetration - expected)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.elasticity.solid_compliance import distributed_body, solid_compliance
 from wheelrail.contact.elasticity.waveguide.bodies import HALF_GRID, rail_waveguide, wheel_waveguide
@@ -59,10 +61,13 @@ class ProfileBodies:
         return StripOperators(self._strips, *self._half_spaces(how.surface_size))
 
     def _half_spaces(self, size: float) -> Iterator[HalfSpaceInfluence]:
-        for profile, ends, material in zip(
-            self.profiles, (wheel_contact_range, rail_contact_range), self.materials, strict=True
-        ):
-            arc = Strip.over(profile.s_range, ends(profile), half_length=size, size=size).arc
+        """Half-spaces under the whole profiles; the wheel's lines are those of its strip, continued."""
+        wheel, rail = self.profiles
+        starts = wheel_contact_range(wheel)[0], rail.s_range[0]
+        for profile, ordinary, material in zip(self.profiles, starts, self.materials, strict=True):
+            first, last = profile.s_range
+            start = max(ordinary, first + size)
+            arc = start + size * np.arange(np.ceil((first - start) / size), np.floor((last - start) / size) + 1)
             yield HalfSpaceInfluence.under(profile.point(arc), arc, material)
 
     def waveguide_strips(self, how: Discretisation) -> StripOperators:

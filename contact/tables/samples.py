@@ -22,7 +22,6 @@ from wheelrail.support.arrays import Array
 SPEED = 10.0  # m/s; with a constant coefficient of friction forces do not depend on it
 LOAD_TOLERANCE = 1e-6  # of the vertical load
 EXPECTED, DEEPEST = 1e-4, 0.05  # m, approach under a load, and limit of the search
-STARTS = np.arange(0.0, 0.01, 1e-4).tolist()  # m, depths from which one is taken at which the distance is known
 
 log = logging.getLogger(__name__)
 
@@ -89,8 +88,7 @@ class TableSampler:
             pose = self.frame.pose(y, -depth, roll, yaw)
             return (self.frictionless(pose, self.rolling(pose), earlier[0] if earlier else None),)
 
-        rows, guess = np.full((len(loads), 9), np.nan), None
-        depth = next((depth for depth in STARTS if np.isfinite(lowered(depth, None)[0].approach)), 0.0)
+        rows, guess, depth = np.full((len(loads), 9), np.nan), None, 0.0
         for row, load in zip(rows, loads, strict=True):
             try:
                 solution = find_depth_for_load(

@@ -12,6 +12,7 @@ from wheelrail.support.compiled import borrowing, fma, unchecked
 
 SPACING = 1e-4  # m, of the samples, and the longest step
 STRIDE = 8  # samples between those of the first, coarse search
+HOLLOW = 0.3  # rad, more than the waves of a worn or measured rail
 SMALL_STEP = 3e-8  # m; the error after one more step is quadratic in it, below 1e-12 m
 _FAST, _SAFE = 4, 1000
 
@@ -39,6 +40,7 @@ class Shape(NamedTuple):
         table: (m, 3, 8), coefficients of y + iz and its first two derivatives.
         samples: (n,) m, arc length.
         sampled: (n,) m, points y + iz there.
+        hollow: whether it turns back by more than `HOLLOW`, as in a groove: a point has several closest points nearby.
     """
 
     breaks: Array
@@ -46,6 +48,7 @@ class Shape(NamedTuple):
     table: Complex
     samples: Array
     sampled: Complex
+    hollow: bool
 
 
 @borrowing
@@ -111,7 +114,11 @@ def nearest_sample(shape: Shape, q: complex) -> int:
 
 @borrowing
 def nearer_sample(shape: Shape, q: complex, at: int) -> int:
-    """Index of the nearest sample by descent from sample to sample: for a point next to one with a known index."""
+    """Index of the nearest sample by descent from sample to sample: for a point next to one with a known index, unless
+    the curve is hollow.
+    """
+    if shape.hollow:
+        return nearest_sample(shape, q)
     sampled, n = shape.sampled, len(shape.sampled)
     best = _squared(sampled[at] - q)
     for direction in (-1, 1):

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wheelrail.meshes.curves.closest_point import SPACING, Closest, Shape, closest
+from wheelrail.meshes.curves.closest_point import HOLLOW, SPACING, Closest, Shape, closest
 from wheelrail.support.arrays import Array, Complex
 
 DEGREE = 7
@@ -146,7 +146,13 @@ class Curve:
     def shape(self) -> Shape:
         """The curve for compiled code."""
         table = np.ascontiguousarray(self._table.transpose(2, 0, 1))
-        return Shape(self.breaks.copy(), self._middles, table, self._samples, self._sampled)
+        return Shape(self.breaks.copy(), self._middles, table, self._samples, self._sampled, self._hollow)
+
+    @cached_property
+    def _hollow(self) -> bool:
+        """Whether the body's surface turns inwards by more than `HOLLOW` somewhere."""
+        angle = np.unwrap(np.angle(self._evaluate(self._samples)[1]))
+        return bool((angle - np.minimum.accumulate(angle)).max() > HOLLOW)
 
     @cached_property
     def _middles(self) -> Array:

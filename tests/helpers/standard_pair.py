@@ -13,6 +13,6 @@ WHEEL, RAIL = named_profile("S1002"), named_profile("UIC60-benchmark")
 MOUNTING = Mounting(0.75, RAIL.gauge_offset(1.435, 0.014), 0.46)
 
 
-def wheel_on_rail(friction: float = 0.3, **options: object) -> WheelsetContact:
-    model = StandardContact(RigidWheelRail(WHEEL, RAIL, 0.46), ContactLaws(friction=friction), **options)  # type: ignore[arg-type]
+def wheel_on_rail(friction: float = 0.3, radius: float = 0.46, **options: object) -> WheelsetContact:
+    model = StandardContact(RigidWheelRail(WHEEL, RAIL, radius), ContactLaws(friction=friction), **options)  # type: ignore[arg-type]
     return WheelsetContact(model, MOUNTING)

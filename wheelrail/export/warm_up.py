@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import isfinite
 from pathlib import Path
 
 from wheelrail.export.host import loaded_wheelset
@@ -25,7 +24,7 @@ def warm_up(folder: Path) -> None:
     element = wheelset.element()
     start = element.solve()
     lift = min(start.approach.values())
-    solution = element.solve(z=start.state.z + lift - DEPTH) if isfinite(lift) else start
+    solution = element.solve(z=start.state.z + lift - DEPTH)
     if solution.status != "converged":
         raise SceneError(f"the contact of the scene cannot be solved: {solution.status}")
     if wheelset.arguments.get("model") != "standard":

@@ -206,7 +206,7 @@ class StandardContact:
         if beyond or not contacts:
             assert isinstance(self.surfaces, RigidWheelRail)
             try:
-                self.surfaces.check(solved.pairs.pose(i), bool(beyond))
+                self.surfaces.check(solved.pairs.pose(i))
             except ValueError as error:
                 return ContactResult.failed(str(error))
             return ContactResult.separated(min(approach, 0.0))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions, WheelRegions, wheel_regions
-from wheelrail.contact.geometry.rigid_search import Lines
+from wheelrail.contact.geometry.line_scan import Lines
 from wheelrail.contact.geometry.wheel_surface import profile_places, wheel_points
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.left_pair import Dimensions, WheelPairs, by_states, left_pairs, velocities_of
@@ -62,7 +62,7 @@ class WheelForces(NamedTuple):
 
     Parameters:
         wrench: (w, 6) force N and moment N m.
-        values: (w, 7), largest penetration m; 1 for a wheel that overlaps the rail beyond the lines, otherwise 0;
+        values: (w, 7), largest penetration m; 1 for a wheel that overlaps the rail at an end of a profile, otherwise 0;
             numbers of contacts and of cells; largest semi-axes m along and across; smallest rolling speed m/s.
         starts: (w + 1, 6) first rows of each wheel in the arrays that follow.
         top, low, edges, contacts, contact, strips: those of `WheelRegions`, wheel after wheel.

@@ -61,7 +61,10 @@ FORCES = tuple(
 )
 OUTPUTS = (
     *FORCES,
-    *(Variable(f"{side}_approach", "m", f"largest penetration of the undeformed {side} pair") for side in SIDES),
+    *(
+        Variable(f"{side}_approach", "m", f"largest penetration of the undeformed {side} pair, negative is a gap")
+        for side in SIDES
+    ),
 )
 
 # Of the patch with the largest normal force of a side.

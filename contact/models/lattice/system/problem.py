@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.elasticity.waveguide.influence import BEYOND
+from wheelrail.contact.geometry.interpenetration import UNSOLVED, overlap_text
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
@@ -42,7 +43,6 @@ from wheelrail.contact.models.lattice.system.surface import (
 from wheelrail.support.arrays import Array, Nodes
 
 NO_FRICTION = ResidualCode(0, 0, 0, np.zeros(0), 0.0)
-OUTSIDE = "the wheel penetrates the rail beyond the part of its surface that carries contact points"
 TOO_DEEP = "the wheel lies inside the rail, too deep for a contact"
 INSIDE = 1e-3  # m, below the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
 SAMPLES = 400  # of the rail's profile
@@ -117,10 +117,12 @@ class LatticeProblem:
 
     @property
     def too_deep(self) -> bool:
-        """Whether the wheel lies inside the rail, so deep that no closest points are within reach."""
+        """Whether the wheel lies inside the rail, so deep that no closest points of its strips are within reach."""
         surfaces, data = self.tables.operators.surfaces, self._motion
         if not isinstance(surfaces, ProfileStrips):
             return False
+        if self._nearest > INSIDE:
+            return True
         rail = surfaces.rail.point(np.linspace(*surfaces.rail.s_range, SAMPLES))
         rail = rail[np.argsort(rail[:, 0])]
         wheel = frames(self.surface, data.origin, data.rotation, self.middle, self.lines.x).point
@@ -134,8 +136,12 @@ class LatticeProblem:
 
     @property
     def approach(self) -> float:
-        """Largest penetration m of a strip."""
-        return self.lines.approach
+        """Largest penetration m of a strip; without any, minus the gap of the undeformed surfaces."""
+        return self.lines.approach if self.lines.approach > 0.0 else min(self._nearest, 0.0)
+
+    @cached_property
+    def _nearest(self) -> float:
+        return self.tables.operators.surfaces.approach(self.pose)
 
     @cached_property
     def candidates(self) -> Nodes:
@@ -143,9 +149,23 @@ class LatticeProblem:
         return np.flatnonzero(self.depth > 0)
 
     def check_inside(self) -> None:
-        """Raise OutsideSurface where the penetration reaches the end of the lattice."""
-        if self.depth[0] > 0 or self.depth[-1] > 0:
-            raise OutsideSurface(OUTSIDE)
+        """Raise OutsideSurface where the penetration reaches an end of a profile, or of the upper body's lines."""
+        depth, carried = self.depth, self.tables.lattice.carried
+        with np.errstate(invalid="ignore"):  # where both neighbours are beyond the rail
+            ended = (depth[:-2] == -np.inf) & (2.0 * depth[1:-1] > depth[2:])
+            ended |= (depth[2:] == -np.inf) & (2.0 * depth[1:-1] > depth[:-2])
+        ended = np.concatenate([[True], ended, [True]])
+        beyond = np.flatnonzero((depth > 0) & (ended | ~carried))
+        if len(beyond):
+            k = beyond[depth[beyond].argmax()]
+            raise OutsideSurface(self._overlap(k, "where a profile ends" if ended[k] else UNSOLVED))
+
+    def _overlap(self, strip: int, reason: str) -> str:
+        """Text on a strip that penetrates where it is not solved."""
+        surfaces = self.tables.operators.surfaces
+        if not isinstance(surfaces, ProfileStrips):
+            return BEYOND
+        return overlap_text(self.depth[strip], surfaces.wheel.point(self.middle[strip]), reason)
 
     @cached_property
     def speed(self) -> float:
@@ -212,8 +232,9 @@ class LatticeProblem:
 
     def check_loaded(self, strips: Nodes) -> None:
         """Raise OutsideSurface where loaded strips (S,) lie beyond the lower body's lines, as unloaded ones may."""
-        if self.tables.moves and not self.lines.covered[strips].all():
-            raise OutsideSurface(BEYOND)
+        outside = strips[~self.lines.covered[strips]]
+        if self.tables.moves and len(outside):
+            raise OutsideSurface(self._overlap(outside[self.depth[outside].argmax()], UNSOLVED))
 
     def of(self, strips: Nodes) -> EquationData:
         """Data of the equations of some strips (S,), stored, with the tables of all pairs that have been added. Raises

@@ -17,6 +17,7 @@ from wheelrail.support.compiled import borrowing, compiled
 GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
 CREST_STEPS = 12
 CREST_ERROR = 1e-10  # m
+OPPOSED = -0.5  # cosine between the normals of surfaces that may touch, a tenth of a radian apart under large loads
 STEEPEST = 0.9  # slope of the fixed-point map up to which Newton's step is taken; a maximum has less than 1
 
 
@@ -79,7 +80,7 @@ class Projection(NamedTuple):
     """A point of a wheel, projected on the rail: `project`.
 
     Parameters:
-        depth: m, penetration; -inf beyond the ends of the rail.
+        depth: m, penetration; -inf beyond the ends of the rail, and where the surfaces do not face each other.
         foot: m, arc length of the closest point.
         sample: number of the nearest sample of the rail.
         point, normal: of the wheel, m.
@@ -98,7 +99,9 @@ class Projection(NamedTuple):
     moves: complex
 
 
-NO_SHAPE = Shape(np.zeros(2), np.zeros(1), np.zeros((1, 3, 8), dtype=complex), np.zeros(1), np.zeros(1, dtype=complex))
+NO_SHAPE = Shape(
+    np.zeros(2), np.zeros(1), np.zeros((1, 3, 8), dtype=complex), np.zeros(1), np.zeros(1, dtype=complex), False
+)
 
 
 def surface_data(surfaces: StripSurfaces) -> SurfaceData:
@@ -137,7 +140,9 @@ def project(rail: Shape, point: Place, normal: Place, sample: int) -> Projection
     away, w = q - on_rail, complex(normal[1], normal[2])
     moves = t * (1.0 / (1.0 - (away.real * k.real + away.imag * k.imag)))
     gradient = w - (t.real * w.real + t.imag * w.imag) * moves
-    depth = away.real * w.real + away.imag * w.imag if inside else -np.inf
+    # beside the rail, and for surfaces that face the same way, as a flange's back and a gauge face: no contact
+    opposed = inside and w.imag * t.real - w.real * t.imag < OPPOSED
+    depth = away.real * w.real + away.imag * w.imag if opposed else -np.inf
     return Projection(depth, at, sample, point, normal, gradient, away, moves)
 
 

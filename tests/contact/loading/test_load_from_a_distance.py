@@ -1,0 +1,68 @@
+"""Loads are found from wheels that start far above their rails, or deep inside them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from dense_surfaces import DenseSurfaces
+from small_strips import few_strips
+from standard_pair import MOUNTING, RAIL, WHEEL, wheel_on_rail
+
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.loading.wheelset import axle_under_load, wheel_under_load, wheels_under_load
+from wheelrail.contact.models.wheelset import WheelsetContact
+
+LOAD, EXPECTED = 60e3, 6e-5
+MODELS = ["standard", "strips"]
+
+
+@cache
+def contact(name: str) -> WheelsetContact:
+    own, smaller = ((wheel_on_rail if name == "standard" else few_strips)(radius=r) for r in (0.46, 0.458))
+    return replace(own, right=smaller)
+
+
+def rolling(**more: float) -> WheelsetState:
+    return WheelsetState(pitch_rate=20.0 / 0.46, speed=20.0, **more)
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("place", [{"y": 0.0}, {"y": 6.4e-3, "yaw": 4e-3}, {"y": -3e-3, "roll": 7e-3}])
+def test_height_under_a_load_does_not_depend_on_the_start(name: str, place: dict[str, float]) -> None:
+    own = contact(name)
+    heights = []
+    for z in (0.0, 2.5e-4, 0.02, -5e-4, -0.02):
+        found = wheel_under_load(own, rolling(z=z, **place), "left", LOAD, expected=EXPECTED)
+        assert found.results["left"].status == "converged"
+        assert found.results["left"].force[2] == pytest.approx(LOAD, rel=1e-6)
+        heights.append(found.state.z)
+    np.testing.assert_allclose(heights, heights[0], atol=1e-9)
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("roll", [2e-4, -1e-3, 1e-2])
+def test_rolled_wheelset_touches_where_dense_surfaces_do(name: str, roll: float) -> None:
+    """The load is found at the height of the first contact less the approach, for a gentle slope of the contact."""
+    for side, radius in zip(SIDES, (0.46, 0.458), strict=True):
+        dense = DenseSurfaces(WHEEL, RAIL, radius)
+        found = wheel_under_load(contact(name), rolling(roll=roll), side, LOAD, expected=EXPECTED)
+        result = found.results[side]
+        assert result.force[2] == pytest.approx(LOAD, rel=1e-6)
+        raised = replace(found.state, z=found.state.z + 1e-3)
+        pose, _ = MOUNTING.left_pair(raised if side == "left" else raised.mirrored())
+        assert 0.85e-3 < dense.gap(pose) + result.approach < 1.0e-3 * (1 + 1e-6)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_both_wheels_of_different_radii_carry_their_loads(name: str) -> None:
+    """2 mm of difference are 1.3 mrad of roll, or a wheel that one load on the axle leaves in the air."""
+    own = contact(name)
+    solved = wheels_under_load(own, rolling(z=5e-3), LOAD, expected=EXPECTED)
+    assert [solved.results[side].force[2] for side in SIDES] == pytest.approx([LOAD, LOAD], rel=1e-6)
+    assert solved.state.roll == pytest.approx(1e-3 / 0.75, rel=0.1)
+    level = axle_under_load(own, rolling(z=5e-3), 2 * LOAD, expected=EXPECTED)
+    assert sum(level.results[side].force[2] for side in SIDES) == pytest.approx(2 * LOAD, rel=1e-6)
