@@ -349,13 +349,17 @@ def test_warm_start_tracks_the_contact() -> None:
     # 12 poses, each with the previous result as guess
     contact = wheelset(0.3)
     guess: ContactResult | None = None
+    fewer = 0
     for state in CROSSING:
         cold, found = contact(state, "left"), contact(state, "left", guess)
         assert found.ok
         np.testing.assert_allclose(found.force, cold.force, atol=1e-6 * cold.force[2])
         np.testing.assert_allclose(found.moment, cold.moment, atol=1e-6 * np.linalg.norm(cold.moment))
-        assert guess is None or found.statistics.newton < cold.statistics.newton
+        # where a strip comes or goes, a warm solve may need a Jacobian, too
+        assert found.statistics.newton <= cold.statistics.newton
+        fewer += cold.statistics.newton - found.statistics.newton
         guess = found
+    assert fewer >= len(CROSSING)
 
 
 def test_warm_and_cold_solves_have_the_same_area() -> None:
