@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
+from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
@@ -15,6 +16,7 @@ from wheelrail.vehicle.track.track import Track
 
 RAMP, DECAY = 3.0, 6.0  # s: transition into the curve; then until the slowest sway has decayed to 1 %
 TOLERANCE = 3e-3
+MOST_STEPS = 2000  # a transient takes some hundred; one that needs more does not come to rest
 
 
 def is_curved(dynamics: VehicleDynamics, time: float) -> bool:
@@ -31,7 +33,7 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
         time: s, at which the speed, curvature, cant and gradient are taken.
         start: (2 c + m + w k,) initial state on straight level track.
 
-    Raises StepFailure and StepTooSmall.
+    Raises StepFailure, also after `MOST_STEPS`, and StepTooSmall.
     """
     line, (s, speed, *_) = dynamics.track, dynamics.speed_profile(time)
     ends = (0.0, RAMP * speed)
@@ -43,6 +45,8 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
     atol, longest = transient.tolerances(1e-3 * TOLERANCE), RAMP / 4  # which meets the transition
     state, settings = start, StepSettings(ROSENBROCK.name, TOLERANCE, atol, max_step=longest)
     jacobian = VehicleJacobian(transient, StepStatistics())
-    for step in integrate(transient, 0.0, start, RAMP + DECAY, settings, jacobian=jacobian):
+    for number, step in enumerate(integrate(transient, 0.0, start, RAMP + DECAY, settings, jacobian=jacobian)):
+        if number == MOST_STEPS:
+            raise StepFailure(f"the transient into the curve is at {step.t:.2f} of {RAMP + DECAY:g} s after {number} steps")
         state = step.x
     return state
