@@ -55,10 +55,11 @@ class PatchSums(NamedTuple):
         bands: (4,) m, smallest and largest lateral position on the wheel, and on the rail.
         semi_axes: (2,) m.
         creepage: (3,).
-        power: W, of the tractions on the rigid slip. In steady rolling it is the frictional heat, as the power of the
-            elastic slip sums to zero; sums of traction times slip converge to the same value, from 7 % below with
-            12 x 16 cells.
-        strips: number of strips of a lattice; 0 for other models.
+        power: W, of the tractions on the rigid slip and of the pressure on the rolling slopes of the penetration. In
+            steady rolling it is the frictional heat: tractions and pressure do no work on displacements that pass by
+            unchanged, by Betti's theorem, but tractions alone do where they shift the pressure along x, as on a flange.
+            Sums of traction times slip converge to the same value, from 7 % below with 12 x 16 cells.
+        strips: as of `wheelrail.contact.results.result.Patch`.
     """
 
     area: float
@@ -169,7 +170,10 @@ def patch_sums(inside: Mask, points: PatchPoints, v: RigidVelocities, speed: flo
             by_x -= velocity_along(v.rail_turn, v.rail_at, v.rail, at, points.level[q])
             by_y = velocity_along(v.wheel_turn, v.wheel_at, v.wheel, at, points.axes[q, 1])
             by_y -= velocity_along(v.rail_turn, v.rail_at, v.rail, at, points.axes[q, 1])
-            power -= size * (tx * by_x + ty * by_y)
+            slope = 0.0  # of the penetration along x, whose displacements the pressure follows
+            for c in range(3):
+                slope += points.level[q, c] * points.axes[q, 2, c]
+            power -= size * (tx * by_x + ty * by_y) - load * speed * slope
     for c in range(3):
         point[c] /= total
     for c in range(2):

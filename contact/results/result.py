@@ -43,7 +43,8 @@ class Patch:
             the rail at the resultant over the rolling speed. Zero without friction and for a tangential displacement.
         frictional_power: W, of the tractions over the rigid slip, which steady rolling turns into heat; zero as
             creepage.
-        strips: number of strips of a lattice across it; 0 for other models.
+        strips: number of strips of a lattice across it, or of points of a grid, across or along it where these are
+            fewer; 0 for other models.
     """
 
     area: float
@@ -67,7 +68,7 @@ class Patch:
 
     @property
     def rough(self) -> bool:
-        """Whether the strips across are too few for its area and peak pressure."""
+        """Whether the strips or points across are too few for its area and peak pressure."""
         return 0 < self.strips < FEWEST_STRIPS
 
     def mirrored(self) -> Patch:

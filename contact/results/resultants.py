@@ -125,8 +125,17 @@ class FrictionalWork:
             if moved is not None:
                 own = BodyDisplacements(*(part[inside] for part in moved))
                 sums = on_material(sums, own, points.wheel_place[inside, 0], (pressure * points.area)[inside])
-            store_patch(sums, sums.peak, row)
+            store_patch(sums._replace(strips=rows_of_points(points.wheel_place[inside, 0])), sums.peak, row)
         return patches_of(rows)
+
+
+def rows_of_points(place: Array) -> int:
+    """Number of rows of a grid across a patch, or of points in the longest of them where these are fewer.
+
+    place: (n,) m, lateral places of its points on the wheel, the same within a row.
+    """
+    _, counts = np.unique(np.round(place, 9), return_counts=True)
+    return int(min(len(counts), counts.max()))
 
 
 def connected(nodes: Nodes, loaded: Mask, grid: tuple[int, int]) -> Nodes:

@@ -47,6 +47,8 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
     jacobian = VehicleJacobian(transient, StepStatistics())
     for number, step in enumerate(integrate(transient, 0.0, start, RAMP + DECAY, settings, jacobian=jacobian)):
         if number == MOST_STEPS:
-            raise StepFailure(f"the transient into the curve is at {step.t:.2f} of {RAMP + DECAY:g} s after {number} steps")
+            raise StepFailure(
+                f"the transient into the curve is at {step.t:.2f} of {RAMP + DECAY:g} s after {number} steps"
+            )
         state = step.x
     return state

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.contact.results.result import FEWEST_STRIPS
+from wheelrail.scenes.contacts.shapes import WIDEST
 from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.datasets.run_schema import AXES
 
@@ -107,6 +108,12 @@ def _sides(data: Dataset) -> list[str]:
         strips = own["patch_strips"].values if "patch_strips" in own else np.zeros(0)
         few = [f"{k + 1}" for k, count in enumerate(strips) if 0 < count < FEWEST_STRIPS]
         if few:
-            line += f"; fewer than {FEWEST_STRIPS} strips across patch {', '.join(few)}: rough, use more"
+            kind = "points" if data.attrs.get("points") == "grid" else "strips"
+            line += f"; fewer than {FEWEST_STRIPS} {kind} across patch {', '.join(few)}: rough, use more"
+        turns = own["patch_turn"].values if "patch_turn" in own else np.zeros(0)
+        wide = [f"{k + 1}" for k, angle in enumerate(turns) if angle > WIDEST]
+        if wide:
+            line += f"; the surfaces turn by {np.nanmax(turns):.2f} rad across half of patch {', '.join(wide)}: "
+            line += "too wide for half-spaces"
         lines.append(f"{line}; {significant(float(own['contact_seconds']), 2)} s")
     return lines

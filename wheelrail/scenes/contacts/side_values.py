@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -53,8 +54,12 @@ class SideValues:
         return list(self[name][: self.patches])
 
     def strips(self, patch: int) -> int:
-        """Number of strips across a patch; 0 for models without, and for a patch that there is not."""
+        """Number of strips or points across a patch; 0 for models without, and for a patch that there is not."""
         return int(self.by_patch("patch_strips")[patch]) if patch < self.patches else 0
+
+    def turn(self, patch: int) -> float:
+        """Angle rad of `patch_turn`; NaN for bodies that are no half-spaces, and for a patch that there is not."""
+        return float(self["patch_turn"][patch]) if patch < self.patches and "patch_turn" in self.data else math.nan
 
     @property
     def error_estimate(self) -> dict[str, float]:

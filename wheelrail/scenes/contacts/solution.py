@@ -11,7 +11,7 @@ import numpy as np
 
 from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.scenes.builders.laws import laws
-from wheelrail.scenes.contacts.shapes import gap_curvatures, outlines
+from wheelrail.scenes.contacts.shapes import gap_curvatures, outlines, turns
 from wheelrail.scenes.contacts.stress import stress_variables
 from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.patches import means
@@ -50,6 +50,7 @@ def solution_dataset(
         **_structure(solved),
         **_cost(solved),
         **gap_curvatures(scene, solved, profiles or {}),
+        **turns(scene, solved, profiles or {}),
         **outlines(list(solved), profiles or {}),
         **stress_variables(solved),
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from wheelrail.contact.results.result import FEWEST_STRIPS
 from wheelrail.scenes.contacts.report import FORCE, MOMENT
+from wheelrail.scenes.contacts.shapes import WIDEST
 from wheelrail.scenes.contacts.side_values import SideValues
 from wheelrail.scenes.datasets.number_text import fixed, significant
 
@@ -114,7 +115,10 @@ def _patch_rows(data: Dataset, sides: Sequence[SideValues], patch: int) -> Itera
             ],
         )
     if any(own.strips(patch) for own in sides):
-        yield "strips across", [_strips(own.strips(patch)) for own in sides]
+        kind = "points" if data.attrs.get("points") == "grid" else "strips"
+        yield f"{kind} across", [_strips(own.strips(patch)) for own in sides]
+    if any(own.turn(patch) > WIDEST for own in sides):
+        yield "turn across half the patch [rad]", [_turn(own.turn(patch)) for own in sides]
     for body in dict.fromkeys(body for own in sides for body in own.stressed_bodies):
         label = f"largest von Mises stress, {body} [MPa], at depth [mm]"
         yield label, [_largest(own, body, patch) if patch < own.patches else "" for own in sides]
@@ -128,6 +132,11 @@ def _largest(own: SideValues, body: str, patch: int) -> str:
 def _strips(count: int) -> str:
     """Number of strips across a patch, and whether they are too few."""
     return f"{count}, rough" if 0 < count < FEWEST_STRIPS else f"{count}" if count else ""
+
+
+def _turn(angle: float) -> str:
+    """Angle rad by which the surfaces turn across half a patch, and whether half-spaces no longer stand for them."""
+    return "" if math.isnan(angle) else f"{angle:.2f}, too wide for half-spaces" if angle > WIDEST else f"{angle:.2f}"
 
 
 def _error(value: float) -> str:

@@ -51,7 +51,7 @@ PATCH_VARIABLES: dict[str, tuple[str, int | None, str, str]] = {
         "strips",
         None,
         "1",
-        "strips across the patch, 0 for models without; with less than 5 it is rough",
+        "strips, or points of a grid, across the patch, 0 for models without; with less than 5 it is rough",
     ),
     "patch_x": ("x", None, "m", "position of the resultant along the track"),
     "wheel_s": (
