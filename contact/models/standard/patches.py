@@ -16,7 +16,7 @@ from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, patch_sums, patches_of, store_patch
 from wheelrail.contact.results.result import Fields, Patch
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import compiled
+from wheelrail.support.compiled import borrowing, compiled
 
 LEAST_LENGTH = 0.01  # of the semi-axis along x: shorter strips are no part of a patch
 
@@ -87,16 +87,21 @@ def patch_numbers(strips: StripPressures, weight: Array) -> Nodes:
             first[c], last[c] = min(first[c], strips.s[i]), max(last[c], strips.s[i])
     for c in range(k):
         for other in range(c):
-            if first[c] < last[other] and first[other] < last[c] and patch[other] != patch[c]:
-                patch[patch == patch[c]] = patch[other]
+            before, after = patch[c], patch[other]
+            if first[c] < last[other] and first[other] < last[c] and before != after:
+                for each in range(k):
+                    patch[each] = after if patch[each] == before else patch[each]
     for c in range(k):
         load[patch[c]] += strips.load[c] * weight[c]
-    rank = np.empty(k, dtype=np.int64)
-    rank[np.argsort(-load, kind="mergesort")] = np.arange(k)
-    return rank[patch]
+    order, rank = np.argsort(-load, kind="mergesort"), np.empty(k, dtype=np.int64)
+    for place in range(k):
+        rank[order[place]] = place
+    for c in range(k):
+        patch[c] = rank[patch[c]]
+    return patch
 
 
-@compiled
+@borrowing
 def pressure_at(strips: StripPressures, contact: int, s: float) -> float:
     """Largest pressure Pa of a contact along the line s m, linear between its strips; 0 beyond them."""
     below, above, low, high = -np.inf, np.inf, 0.0, 0.0
@@ -109,6 +114,22 @@ def pressure_at(strips: StripPressures, contact: int, s: float) -> float:
     if below == above:
         return low
     return low + (high - low) * (s - below) / (above - below) if np.isfinite(above - below) else 0.0
+
+
+@borrowing
+def joint_pressure(strips: StripPressures, weight: Array, patch: Nodes, i: int) -> float:
+    """Largest pressure Pa along strip i: of contacts that are about to merge, and press on the same places, the sum.
+
+    weight (k,) of the contacts, and patch (k,) of each.
+    """
+    own, total = strips.contact[i], strips.scale[i] * strips.half[i]
+    joint = weight[own] * total
+    alone = True
+    for c in range(len(weight)):
+        if c != own and patch[c] == patch[own]:
+            joint += weight[c] * pressure_at(strips, c, strips.s[i])
+            alone = False
+    return total if alone else joint
 
 
 @compiled
@@ -147,17 +168,12 @@ def patch_rows(
     )
     speed = cells.speed.mean() if cells.traction.any() else 0.0
     patch = patch_numbers(strips, weight)
-    for place in range(patch.max() + 1):
-        inside, peak, own = np.zeros(n * m, dtype=np.bool_), 0.0, np.flatnonzero(patch == place)
+    count = patch.max() + 1
+    for place in range(count):
+        inside, peak = np.zeros(n * m, dtype=np.bool_), 0.0
         for i in range(n):
             if patch[strips.contact[i]] == place:
                 inside[i * m : (i + 1) * m] = True
-                pressure = strips.scale[i] * strips.half[i]
-                if len(own) > 1:  # contacts that are about to merge press on the same places
-                    pressure *= weight[strips.contact[i]]
-                    for c in own:
-                        if c != strips.contact[i]:
-                            pressure += weight[c] * pressure_at(strips, c, strips.s[i])
-                peak = max(peak, pressure)
+                peak = max(peak, joint_pressure(strips, weight, patch, i))
         store_patch(patch_sums(inside, points, v, speed), peak, rows[place])
-    return rows[: patch.max() + 1]
+    return rows[:count]

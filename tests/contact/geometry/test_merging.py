@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 
 from wheelrail.contact.geometry.interpenetration import covered, merging_weights
+from wheelrail.support.arrays import Array
 
 MERGE = 4e-3
 HEIGHTS, PLACES = np.array([45.1, 38.05, 38.84]) * 1e-6, np.array([-35.46, -30.27, -22.35]) * 1e-3
 MINIMA, BETWEEN = np.array([37.18, 27.81]) * 1e-6, np.array([-30.64, -29.3]) * 1e-3
 
 
-def rows(place: np.ndarray, height: np.ndarray) -> np.ndarray:
-    return np.column_stack([place, height, np.zeros(len(place))])
+def rows(place: Array, height: Array) -> Array:
+    return np.asarray(np.column_stack([place, height, np.zeros(len(place))]))
 
 
-def weights(top: np.ndarray, low: np.ndarray) -> np.ndarray:
+def weights(top: Array, low: Array) -> Array:
     return merging_weights(top, low, MERGE, np.zeros((len(top), 3, 0)), np.zeros((len(low), 3, 0)))[0]
 
 
