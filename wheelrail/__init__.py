@@ -12,7 +12,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, Any
 
-from wheelrail.support.progress import LOGGER
+from wheelrail.support.terminal import LOGGER
 from wheelrail.support.working_directory import load_libraries_outside
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.cache import digest, load, store
-from wheelrail.support.progress import ProgressTimer
+from wheelrail.support.terminal import ProgressTimer
 
 if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody

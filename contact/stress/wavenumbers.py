@@ -18,7 +18,7 @@ from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.elasticity.waveguide.spectrum import WavenumberAxis, interpolation, refine, rule
 from wheelrail.contact.stress.surface_loads import CellLoads
 from wheelrail.support.arrays import Array, Complex
-from wheelrail.support.progress import ProgressTimer
+from wheelrail.support.terminal import ProgressTimer
 
 log = logging.getLogger(__name__)
 

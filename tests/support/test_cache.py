@@ -223,7 +223,7 @@ def test_long_computations_log_memory_and_remaining_time(
     solid, key = block((2, 2), half_width=4.0, grading=COARSE)
     found = solid_compliance(solid, key, Material(), 1)
     clock = count(0, 10)  # s, ten for each group of nodes
-    monkeypatch.setattr("wheelrail.support.progress.monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr("wheelrail.support.terminal.monotonic", lambda: float(next(clock)))
     with caplog.at_level(logging.INFO, "wheelrail"):
         found.block(np.arange(found.shape[0] * found.shape[1]), (2,))
     heard = [record.getMessage() for record in caplog.records]
@@ -243,7 +243,7 @@ def test_sampling_a_spectrum_logs_the_remaining_time(
     folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     clock = count(0, 10)  # s, ten for each wavenumber
-    monkeypatch.setattr("wheelrail.support.progress.monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr("wheelrail.support.terminal.monotonic", lambda: float(next(clock)))
     body, _ = block_waveguide((2, 2), Material(), size=1.0, half_width=50.0)
     with caplog.at_level(logging.INFO, "wheelrail"):
         body.block(np.arange(4))

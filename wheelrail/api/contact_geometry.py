@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from wheelrail.api.rigid_pair import contact_values, rigid_wheelset
 from wheelrail.contact.geometry.first_contact import (
@@ -193,7 +193,7 @@ def _conicity(
     return equivalent_conicity(y, difference, amplitude, base=base, radius=radius)
 
 
-def _bent(y: Array, difference: Array) -> Array:
+def _bent(y: Array, difference: Array) -> NDArray[np.bool_]:
     """Which of the (n - 1) intervals between positions have an end away from the line between its neighbours."""
     part = np.diff(y)[:-1] / (y[2:] - y[:-2])
     away = np.abs(difference[:-2] + part * (difference[2:] - difference[:-2]) - difference[1:-1]) > BEND

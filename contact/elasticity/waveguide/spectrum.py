@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from scipy.special import roots_legendre
 
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.progress import ProgressTimer
+from wheelrail.support.terminal import ProgressTimer
 
 log = logging.getLogger(__name__)
 

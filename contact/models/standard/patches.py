@@ -122,8 +122,9 @@ def joint_pressure(strips: StripPressures, weight: Array, patch: Nodes, i: int) 
 
     weight (k,) of the contacts, and patch (k,) of each.
     """
-    own, total = strips.contact[i], strips.scale[i] * strips.half[i]
-    joint = weight[own] * total
+    own = strips.contact[i]
+    total: float = strips.scale[i] * strips.half[i]
+    joint: float = weight[own] * total
     alone = True
     for c in range(len(weight)):
         if c != own and patch[c] == patch[own]:

@@ -7,10 +7,10 @@ import platform
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wheelrail.scenes.datasets.sealed_file import Damaged, is_sealed, seal
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.memory import TooLarge, check_memory
-from wheelrail.support.sealed_file import Damaged, is_sealed, seal
 from wheelrail.support.text_file import FileRefused, check_regular, present
 
 if TYPE_CHECKING:

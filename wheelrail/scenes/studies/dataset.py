@@ -37,8 +37,6 @@ def dataset(plan: Plan, results: Mapping[tuple[int, ...], CaseResult]) -> Datase
     arrays = StudyDataset(plan, results)
     data = Dataset(arrays.variables(), coords=arrays.coordinates(), attrs=_attributes(plan))
     if plan.study.histories:
-        from wheelrail.scenes.studies.histories import histories
-
         data = data.assign(histories(plan, results))
     return data
 
@@ -151,3 +149,36 @@ def _attributes(plan: Plan) -> dict[str, Any]:
 
 def _texts(values: Any) -> bool:
     return all(isinstance(value, str) for value in values)
+
+
+def histories(plan: Plan, results: Mapping[tuple[int, ...], CaseResult]) -> dict[str, Any]:
+    """Variables over the dimensions and `time`, NaN after the end of a run.
+
+    Parameters:
+        plan: of the study.
+        results: of the computed cases by index.
+
+    All runs have the same sampling interval, hence equal times; a last sample between two times of the longest run is
+    omitted.
+    """
+    runs = {index: result.histories for index, result in results.items() if result.histories}
+    if not runs:
+        return {}
+    longest = max((run["time"]["values"] for run in runs.values()), key=lambda times: times[-1])
+    time = np.array(longest)
+    dims = (*(axis.name for axis in plan.axes), "time")
+    variables: dict[str, Any] = {}
+    for name, history in next(iter(runs.values())).items():
+        if name == "time":
+            continue
+        inner = np.shape(history["values"])[1:]
+        values = np.full((*plan.shape, len(time), *inner), np.nan)
+        for index, run in runs.items():
+            run_time = np.array(run["time"]["values"])
+            index_in_time = np.clip(np.searchsorted(time, run_time - 1e-9), 0, len(time) - 1)
+            same = np.abs(time[index_in_time] - run_time) < 1e-9
+            values[(*index, index_in_time[same])] = np.array(run[name]["values"])[same]
+        attrs = {"units": history["units"], "long_name": history["long_name"]}
+        variables[f"history_{name}"] = ((*dims, "side") if inner else dims, values, attrs)
+    variables["time"] = ("time", time, {"units": "s", "long_name": "time"})
+    return variables

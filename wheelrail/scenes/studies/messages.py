@@ -12,8 +12,7 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from threading import Thread
 
-from wheelrail.support.progress import LOGGER
-from wheelrail.support.terminal import quieten_libraries
+from wheelrail.support.terminal import LOGGER, quieten_libraries
 from wheelrail.support.worker_process import single_thread
 
 LONGEST = 1000  # characters of a message; writes of several processes to a pipe are atomic up to 4096 bytes

@@ -26,7 +26,7 @@ from wheelrail.scenes.schema.toml import read_text
 from wheelrail.scenes.studies.workers import LOST, processes
 from wheelrail.scenes.tables.store import TaskStore, task_key
 from wheelrail.scenes.tables.work import sampler, task_rows
-from wheelrail.support.progress import ProgressTimer
+from wheelrail.support.terminal import ProgressTimer
 from wheelrail.support.text_file import read_bytes
 
 if TYPE_CHECKING:
