@@ -16,6 +16,8 @@ from functools import partial
 
 import pytest
 
+from wheelrail.support.cache import cache_folder
+
 # A shell lets background processes ignore Ctrl-C, which processes started by tests would inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -31,6 +33,8 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     if hasattr(config, "workerinput"):
         return  # started by a process that has created it
+    # Machine code, which is named by what it is made of, is the user's: else every session would make all of it.
+    os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
     kept = os.environ.get("WHEELRAIL_TEST_CACHE")
     folder = os.environ["WHEELRAIL_CACHE"] = kept or tempfile.mkdtemp(prefix="wheelrail-test-")
     if not kept:

@@ -4,8 +4,8 @@ The level follows the width of the undeformed penetration, the number n of ordin
 continuous function of the pose. Strips count less where patches are longer than wide: less of the penetration is loaded
 there. On level L there are 2^L n. With x the number on a level, from LEAST to 2 LEAST, the force is
 S F_L + (1 - S) F_(L+1), S rising smoothly from 0 at LEAST to 1 at ENOUGH: one level alone from there on, and the same
-force from below and above where the level changes. LEAST is FEWEST strips or more, as far as so many are asked for: on
-fewer loaded ones forces err by per cents, and peak pressures by tens of them.
+force from below and above where the level changes. LEAST is FEWEST strips or more: on fewer loaded ones forces err by
+per cents, and peak pressures by tens of them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from wheelrail.support.arrays import Array
 
 LEAST = 1 / 2  # of the strips asked for, across the penetration: an ellipse of half-spaces has 0.7 as many loaded ones
 ENOUGH = 4 / 3  # times LEAST
-FEWEST, SMALLEST = 6.0, 0.75  # strips, of LEAST, or of those asked for
+FEWEST = 2.5  # strips, of LEAST
 SURELY = 1.15  # times that by the strips' means, which err by less: no exact width is needed
 FINEST = 5  # level, with 14 strips for patches of 0.1 N on a tread; less has fewer strips
 
@@ -69,7 +69,7 @@ ORDINARY = LevelShares()
 
 def least_strips(strips: int) -> float:
     """LEAST across the penetration for a number of strips over a usual patch."""
-    return max(LEAST * strips, min(FEWEST, SMALLEST * strips))
+    return max(LEAST * strips, FEWEST)
 
 
 def level_shares(problem: LatticeProblem, strips: int, bulk: BulkDisplacement | None = None) -> LevelShares:
