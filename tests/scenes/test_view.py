@@ -296,7 +296,8 @@ def vehicle_data(vehicle: Vehicle) -> Dataset:
     load[1, :, 1] = 0.0
     series = {name: ("time", [value, value]) for name, value in (("speed", 20.0), ("curvature", 0.0), ("lift", 0.0))}
     data = {**values, **series, "vertical_force": (("time", "wheelset", "side"), load)}
-    return Dataset(data, coords={"time": [0.0, 1.0], "distance": ("time", [0.0, 20.0])})  # type: ignore[arg-type]
+    names = {"body": list(vehicle.bodies), "wheelset": list(vehicle.wheelsets), "side": list(SIDES)}
+    return Dataset(data, coords={"time": [0.0, 1.0], "distance": ("time", [0.0, 20.0]), **names})  # type: ignore[arg-type]
 
 
 def test_animation_of_a_vehicle(tmp_path: Path) -> None:

@@ -150,15 +150,15 @@ class LatticeProblem:
 
     def check_inside(self) -> None:
         """Raise OutsideSurface where the penetration reaches an end of a profile, or of the upper body's lines."""
-        depth, carried = self.depth, self.tables.lattice.carried
-        with np.errstate(invalid="ignore"):  # where both neighbours are beyond the rail
-            ended = (depth[:-2] == -np.inf) & (2.0 * depth[1:-1] > depth[2:])
-            ended |= (depth[2:] == -np.inf) & (2.0 * depth[1:-1] > depth[:-2])
-        ended = np.concatenate([[True], ended, [True]])
-        beyond = np.flatnonzero((depth > 0) & (ended | ~carried))
-        if len(beyond):
-            k = beyond[depth[beyond].argmax()]
-            raise OutsideSurface(self._overlap(k, "where a profile ends" if ended[k] else UNSOLVED))
+        depth, k, last = self.depth, self.candidates, len(self.depth) - 1
+        before, after = depth[np.maximum(k - 1, 0)], depth[np.minimum(k + 1, last)]
+        ended = (k == 0) | (k == last)
+        ended |= (before == -np.inf) & (2.0 * depth[k] > after)
+        ended |= (after == -np.inf) & (2.0 * depth[k] > before)
+        beyond = ended | ~self.tables.lattice.carried[k]
+        if beyond.any():
+            i = int(np.where(beyond, depth[k], -np.inf).argmax())
+            raise OutsideSurface(self._overlap(k[i], "where a profile ends" if ended[i] else UNSOLVED))
 
     def _overlap(self, strip: int, reason: str) -> str:
         """Text on a strip that penetrates where it is not solved."""
