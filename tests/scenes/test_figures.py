@@ -125,11 +125,11 @@ def test_failed_write_keeps_the_previous_file(tmp_path: Path, monkeypatch: pytes
     write(dataset(history(3)), file)
     before = file.read_bytes()
 
-    def full(self: xarray.Dataset, path: str, **_: object) -> None:
-        Path(path).write_bytes(b"half of it")
+    def full(path: Path) -> None:
+        assert path.read_bytes() != before
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(xarray.Dataset, "to_netcdf", full)
+    monkeypatch.setattr("wheelrail.scenes.datasets.netcdf.seal", full)
     with pytest.raises(OSError, match="no space"):
         write(dataset(history(5)), file)
     assert file.read_bytes() == before

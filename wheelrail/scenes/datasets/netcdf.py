@@ -71,9 +71,9 @@ def _content(data: Dataset) -> bytes | memoryview:
     texts = {str(name): text for name, text in data.attrs.items() if isinstance(text, str) and len(text) > LONGEST}
     file = File("results", "w", format="NETCDF4", memory=INITIAL)
     store = NetCDF4DataStore(file)  # type: ignore[no-untyped-call]
-    data.drop_attrs(deep=False).assign_attrs(
-        {name: value for name, value in data.attrs.items() if name not in texts}
-    ).dump_to_store(store, encoding=packed)
+    brief = data.copy(deep=False)
+    brief.attrs = {name: value for name, value in data.attrs.items() if name not in texts}
+    brief.dump_to_store(store, encoding=packed)
     for name, text in texts.items():
         file.setncattr_string(name, text)  # outside the header, which has 64 kB
     content: memoryview = file.close()
