@@ -106,7 +106,6 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
     ),
     "Scenes": (
         "wheelrail.scenes.schema.scene",
-        "wheelrail.scenes.schema.errors",
         "wheelrail.scenes.builders.vehicle_file",
         "wheelrail.scenes.datasets.run",
         "wheelrail.scenes.datasets.netcdf",

@@ -204,7 +204,7 @@ def test_what_cannot_be_solved_is_a_status() -> None:
     assert element.solve(z=1e-2).status == "separated"
     standing = element.solve(z=-2.5e-4, speed=0.0)
     assert standing.status.startswith("failed: left: friction needs a positive rolling speed")
-    off = element.solve(y=0.02, z=-1e-3)
+    off = element.solve(y=0.02, z=-3e-2)
     assert off.status.startswith("failed: ")
     assert np.isnan(off.force["left"]).all()
     assert element.solve(z=-2.5e-4).ok

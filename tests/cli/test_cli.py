@@ -244,7 +244,7 @@ def test_forces_have_no_minus_before_zero(spring: SpringContact) -> None:
     assert not re.search(r"-0\.0+(?!\d)", contact(WHEELSET).stdout)
 
 
-FEW = ("# strips = 14", "strips = 8\ncells = 10\nerror_estimate = true  # strips")
+FEW = ("# strips = 12", "strips = 8\ncells = 10\nerror_estimate = true  # strips")
 STRESSED = ("[upper] ", '[stress]\nbody = "lower"\ndepths = [1e-3, 2e-3]\n[upper] ')
 SLOWER = ("surface_size = 0.5e-3", "surface_size = 1e-3")
 
