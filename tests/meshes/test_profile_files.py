@@ -242,7 +242,7 @@ def test_a_part_of_a_rail_head(tmp_path: Path) -> None:
     elsewhere = wr.profile(tmp_path / "broad.txt", "rail")
     with pytest.raises(ValueError, match=r"from the standard section on the .* side.*half-space"):
         rail_outline(elsewhere)
-    load = {"friction": 0.0, "strips": 6, "cells": 6, "bodies": "half-space"}
+    load = {"friction": 0.0, "strips": 16, "cells": 6, "bodies": "half-space"}
     given, whole = (
         wr.Wheelset("S1002", rail, laying_angle=0.0, **load).solve(y=0.0, wheel_load=60e3, sides=["left"]).patches
         for rail in (part, RAIL)

@@ -1,12 +1,10 @@
 """Tractions of rolling contact by Kalker's simplified theory, strip by strip: FASTSIM.
 
 J. J. Kalker, Vehicle System Dynamics 11 (1982) 1-13, doi:10.1080/00423118208968684. Three flexibilities, one each for
-longitudinal and lateral creepage and for spin, from the coefficients of the ellipse with the patch's second moments.
-The recursion's tractions q are bounded by friction times g = P (half^2 - x^2) on a strip of that half length, a
-paraboloid of the patch's load on an ellipse, as Kalker's: below the pressure p itself strips would hardly saturate. But
-surfaces that slide carry friction times the pressure, with which the force and the moment of spin err less: the
-traction is q (1 + (p / g - 1) |q / mu g|^2), Kalker's where they stick, of the size mu p where they slide. Integration
-in the slip zone is of second order: 16 cells are as accurate as 64 are with steps of first order.
+longitudinal and lateral creepage and for spin, from the coefficients of the ellipse with the patch's second moments;
+tractions are bounded by friction times P (half^2 - x^2) on a strip of that half length, a paraboloid of the patch's
+load on an ellipse, as Kalker's. Integration in the slip zone is of second order: 16 cells are as accurate as 64 are
+with steps of first order.
 """
 
 from __future__ import annotations
@@ -66,7 +64,6 @@ def strip_tractions(
     spin: tuple[float, float, float],
     flexible: ElasticFoundation,
     bounds: Array,
-    sliding: Array,
     traction: Array,
     slip: Array,
 ) -> None:
@@ -77,8 +74,7 @@ def strip_tractions(
         creep: longitudinal and lateral creepage at the centre of the patch.
         spin: increments of both in the middle of this strip, and derivative of the lateral one along x, 1/m.
         flexible: flexibilities, m/Pa.
-        bounds: (m,) Pa, of the recursion.
-        sliding: (m,) Pa, friction times pressure.
+        bounds: (m,) Pa, of the traction.
         traction: (m, 2) Pa, filled.
         slip: (m, 2) over the speed, filled.
     """
@@ -92,7 +88,6 @@ def strip_tractions(
         qx, qy, beyond = next_traction(qx, qy, dx, dy, bounds[i])
         excess = beyond * mean / (step * bounds[i]) if beyond > 0.0 else 0.0
         slip[i, 0], slip[i, 1] = -excess * qx, -excess * qy
-        size = 1.0 + (sliding[i] / bounds[i] - 1.0) * (qx * qx + qy * qy) / (bounds[i] * bounds[i])
-        traction[i, 0], traction[i, 1] = size * qx, size * qy
+        traction[i, 0], traction[i, 1] = qx, qy
         x -= 0.75 * h if i == m - 1 else h
         step = h

@@ -19,7 +19,7 @@ from wheelrail.contact.models.standard.forces import StripFrames, half_ellipse_m
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.pressure_derivatives import PressureDerivatives
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives, rigid_motions
-from wheelrail.contact.models.standard.strip_resultant import COLUMNS, END, strip_increments, strip_slopes
+from wheelrail.contact.models.standard.strip_resultant import END, strip_increments, strip_slopes
 from wheelrail.meshes.curves.closest_point import Shape, local, piece
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, unchecked
@@ -173,13 +173,13 @@ class Derivation(NamedTuple):
     """Arrays that are filled on the way to the derivatives.
 
     Parameters:
-        increments, resultants, slopes: (n, 4), (n, 3), zero, and (n, 3, 4), zero, of the strips.
+        increments, resultants, slopes: (n, 3), (n, 3), zero, and (n, 3, 3), zero, of the strips.
         lanes: (END,), of FASTSIM.
-        bounds, shapes: (m,) of the cells of a strip, as for `strip_resultants`.
+        bounds: (m,) of the traction on the cells of a strip, over the largest one.
         by_point, by_axes, reference: (3, 6), (3, 3, 6) and (3, 6).
         by_speed: (12,), of the rolling speed.
         by_patch, by_own: (3, 12), of the creepages of a patch and of a strip.
-        of_patch, by_strip, by_force: (7, 12), (3, 12) and (4, 12), zero.
+        of_patch, by_strip, by_force: (7, 12), (2, 12) and (4, 12), zero.
     """
 
     increments: Array
@@ -187,7 +187,6 @@ class Derivation(NamedTuple):
     slopes: Array
     lanes: Array
     bounds: Array
-    shapes: Array
     by_point: Array
     by_axes: Array
     reference: Array
@@ -228,15 +227,14 @@ def force_derivatives(
         cells: along each strip.
         by_zones, by_strips: derivatives of regions and pressures.
     """
-    tangent, n, (arch, dome) = np.zeros((6, CHANGES)), len(strips.s), half_ellipse_means(cells)
+    tangent, n, dome = np.zeros((6, CHANGES)), len(strips.s), half_ellipse_means(cells)[1]
     top = dome.max()
     work = Derivation(
-        np.empty((n, COLUMNS)),
+        np.empty((n, 3)),
         np.zeros((n, 3)),
-        np.zeros((n, 3, COLUMNS)),
+        np.zeros((n, 3, 3)),
         np.empty(END),
         dome / top,
-        arch / dome,
         np.empty((3, MOTIONS)),
         np.empty((3, 3, MOTIONS)),
         np.empty((3, MOTIONS)),
@@ -244,7 +242,7 @@ def force_derivatives(
         np.empty((3, CHANGES)),
         np.empty((3, CHANGES)),
         np.zeros((7, CHANGES)),
-        np.zeros((3, CHANGES)),
+        np.zeros((2, CHANGES)),
         np.zeros((4, CHANGES)),
     )
     of_pair, of_regions = (elastic, mu, top), (by_zones, by_strips)
@@ -325,9 +323,7 @@ def add_derivatives(
                 own = creepages(v, middles.point[i], middles.axes[i], speed)
                 along, across, turn = strip_increments(flexible, (xi, eta), own, strips.half[i], bound)
                 increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
-                increments[i, 3] = strips.scale[i] * volume / (load * strips.half[i])
-            own_slopes = all_slopes[start:stop]
-            strip_slopes(increments[start:stop], bounds, work.shapes, resultants[start:stop], own_slopes, lanes)
+            strip_slopes(increments[start:stop], bounds, resultants[start:stop], all_slopes[start:stop], lanes)
         for i in range(start, stop):
             half, width = strips.half[i], strips.width[i]
             point, axes, place = middles.point[i], middles.axes[i], (strips.s[i], strips.x[i])
@@ -349,7 +345,6 @@ def add_derivatives(
                 for q in range(MOTIONS):
                     by_strip[0, q] = by_strips.strips[i, 3, q] / half
                     by_strip[1, q] = by_strips.strips[i, 2, q] / width
-                    by_strip[2, q] = by_strips.strips[i, 4, q] / (strips.scale[i] * half * half * width)
                 x, y, turn = scale * resultant[0], scale * resultant[1], scale * half * resultant[2]
                 values = (x * weight, y * weight, normal * weight, turn * weight)
                 size = weight * scale
@@ -357,23 +352,14 @@ def add_derivatives(
                     by_half, by_width = by_strip[0, q], by_strip[1, q]
                     by_bound, by_3 = of_patch[0, q] + 2.0 * by_half, of_patch[3, q]
                     shrink, grow = by_half - by_bound, weight * (by_half + by_width + by_bound) + of_patch[6, q]
-                    # of the scale: the strip's normal force is pi / 2 scale half^2 width
-                    by_scale = by_strip[2, q] - by_half - by_width - by_bound
-                    ep = increments[i, 3] * by_scale
                     by_gx = of_patch[4, q] + (by_own[0, q] - (wx - xi) * by_3) / flexible.spin
                     by_gy = of_patch[5, q] + (by_own[1, q] - (wy - eta) * by_3) / flexible.spin
                     by_gs = (by_own[2, q] - spin * by_3) / flexible.spin
                     ex, ey = half / bound * (by_gx + gx * shrink), half / bound * (by_gy + gy * shrink)
                     es = half * half / bound * (by_gs + gs * (shrink + by_half))
-                    by_force[0, q] = (
-                        size * (slopes[0, 0] * ex + slopes[0, 1] * ey + slopes[0, 2] * es + slopes[0, 3] * ep)
-                        + x * grow
-                    )
-                    by_force[1, q] = (
-                        size * (slopes[1, 0] * ex + slopes[1, 1] * ey + slopes[1, 2] * es + slopes[1, 3] * ep)
-                        + y * grow
-                    )
-                    by_turn = slopes[2, 0] * ex + slopes[2, 1] * ey + slopes[2, 2] * es + slopes[2, 3] * ep
+                    by_force[0, q] = size * (slopes[0, 0] * ex + slopes[0, 1] * ey + slopes[0, 2] * es) + x * grow
+                    by_force[1, q] = size * (slopes[1, 0] * ex + slopes[1, 1] * ey + slopes[1, 2] * es) + y * grow
+                    by_turn = slopes[2, 0] * ex + slopes[2, 1] * ey + slopes[2, 2] * es
                     by_force[3, q] = half * size * by_turn + turn * (grow + weight * by_half)
             add_strip(point, axes, values, by_point, by_axes, by_force, tangent)
         start = stop

@@ -48,7 +48,7 @@ class RollingPatch(NamedTuple):
         creepages: longitudinal, lateral, and spin 1/m, at the point of largest penetration.
         semi_axes: along and across, of the ellipse with the pressure's second moments, m.
         load: normal force, N.
-        paraboloid: factor of the bound of FASTSIM's recursion, Pa/m2.
+        paraboloid: factor of FASTSIM's traction bound, Pa/m2.
         kalker: coefficients C11, C22, C23.
         flexibility: of the elastic foundation.
     """
@@ -160,7 +160,6 @@ def fastsim_strip(
     creepage: tuple[float, float, float],
     friction: Array,
     dome: Array,
-    pressure: Array,
     traction: Array,
     slip: Array,
 ) -> None:
@@ -172,7 +171,6 @@ def fastsim_strip(
         creepage: longitudinal, lateral, and spin 1/m, in the middle of the strip.
         friction: (m,), coefficients.
         dome: (m,), means of 1 - t^2 over the cells.
-        pressure: (m,) Pa.
         traction, slip: filled.
     """
     m = len(dome)
@@ -180,8 +178,7 @@ def fastsim_strip(
     bounds = np.empty(m)
     for j in range(m):
         bounds[j] = friction[j] * patch.paraboloid * half * half * dome[j]
-    own = (wx - xi, wy - eta, spin)
-    strip_tractions(half, (xi, eta), own, patch.flexibility, bounds, friction * pressure, traction, slip)
+    strip_tractions(half, (xi, eta), (wx - xi, wy - eta, spin), patch.flexibility, bounds, traction, slip)
 
 
 @compiled
@@ -238,35 +235,6 @@ def polach_strip(
         x = half * ((2.0 * j + 1.0) / m - 1.0)
         traction[j, 0], traction[j, 1] = force[0] * pressure[j] / load, force[1] * pressure[j] / load
         slip[j, 0], slip[j, 1] = creepage[0], creepage[1] + creepage[2] * x
-
-
-@borrowing
-def balance_slips(
-    strips: StripPressures,
-    start: int,
-    stop: int,
-    frames: StripFrames,
-    speed: float,
-    v: RigidVelocities,
-    cells: StripTractions,
-) -> None:
-    """Scale the slips on the strips from start up to stop to the power of their tractions on the rigid slip.
-
-    FASTSIM's foundation gives back all work, tractions of sliding surfaces by the pressure do not; and the slip that
-    rises at the trailing edge is lost between the middles of cells.
-    """
-    m, heat, power = len(cells.area) // len(strips.s), 0.0, 0.0
-    for i in range(start, stop):
-        wx, wy, spin = creepages(v, frames.point[i], frames.axes[i], speed)
-        for j in range(m):
-            q, x = i * m + j, strips.half[i] * ((2.0 * j + 1.0) / m - 1.0)
-            tx, ty = cells.area[q] * cells.traction[q, 0], cells.area[q] * cells.traction[q, 1]
-            heat -= tx * cells.slip[q, 0] + ty * cells.slip[q, 1]
-            power -= tx * wx + ty * (wy + spin * x)
-    if heat > 0.0 and power > 0.0:
-        for q in range(start * m, stop * m):
-            cells.slip[q, 0] *= power / heat
-            cells.slip[q, 1] *= power / heat
 
 
 @borrowing
@@ -346,14 +314,11 @@ def strip_forces(
             traction, slip = cells.traction[own], cells.slip[own]
             creepage = creepages(v, middles.point[i], middles.axes[i], patch.speed)
             if tangential.method == FASTSIM:
-                pressure = cells.pressure[own]
-                fastsim_strip(patch, half, creepage, tangential.of_cells[own], dome, pressure, traction, slip)
+                fastsim_strip(patch, half, creepage, tangential.of_cells[own], dome, traction, slip)
             else:
                 polach_strip(force, patch.load, half, creepage, cells.pressure[own], traction, slip)
             for q in range(i * m, (i + 1) * m):
                 cells.sticks[q] = cells.slip[q, 0] == 0.0 and cells.slip[q, 1] == 0.0
-        if rolls and tangential.method == FASTSIM:
-            balance_slips(strips, start, stop, middles, patch.speed, v, cells)
         start = stop
     integrate_tractions(cells, middles.axes)
     return cells

@@ -1,10 +1,9 @@
 """Resultants of FASTSIM on strips and their derivatives, without units.
 
 With the traction over the largest bound B of the strip, places over its half length l, and displacements over B, the
-resultants are functions of three increments, l (xi / L1 + ..) / B, l (eta / L2 + ..) / B and l^2 phi / (L3 B), and of
-the scale of friction times pressure over that of the bounds. Bounds over B are the same for all strips. `LANES` strips
-are computed side by side, without branches, in vector instructions: a strip alone waits in every cell for roots and
-divisions of the cell before.
+resultants are functions of three increments only: l (xi / L1 + ..) / B, l (eta / L2 + ..) / B and l^2 phi / (L3 B).
+Bounds over B are the same for all strips. `LANES` strips are computed side by side, without branches, in vector
+instructions: a strip alone waits in every cell for roots and divisions of the cell before.
 """
 
 from __future__ import annotations
@@ -16,7 +15,6 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing
 
 Increments = tuple[float, float, float]
-COLUMNS = 4  # three increments, and the scale of pressures
 
 LANES = 8
 # First places of the rows in the lanes: increments, tractions and sums;
@@ -25,8 +23,8 @@ ALONG, ACROSS, TURNING, QX, QY, SUM = (LANES * k for k in range(6))
 # value; direction of the new one, and bound over its size before it is bounded; 1 where the surfaces stick;
 EX, EY, SIZE, BEFORE_X, BEFORE_Y, BEFORE = (LANES * k for k in range(8, 14))
 FACTOR, REDUCED, UX, UY, SHORTER, STICKS = (LANES * k for k in range(14, 20))
-# derivatives of the traction by three increments, and sums of derivatives by increments and by the scale; the scale.
-BY_X, BY_Y, SLOPES, SCALE, END = (LANES * k for k in (20, 23, 26, 38, 39))
+# derivatives of the traction by three increments, and their sums.
+BY_X, BY_Y, SLOPES, END = (LANES * k for k in (20, 23, 26, 35))
 
 
 @borrowing
@@ -55,13 +53,12 @@ def strip_increments(
 
 
 @borrowing
-def strip_resultants(increments: Array, bounds: Array, shapes: Array, resultants: Array, lanes: Array) -> None:
+def strip_resultants(increments: Array, bounds: Array, resultants: Array, lanes: Array) -> None:
     """Fill means over the cells of both tractions and of place times lateral traction of strips.
 
     Parameters:
-        increments: (n, 4), see `strip_increments`, and the scale of friction times pressure over that of the bounds.
+        increments: (n, 3), see `strip_increments`.
         bounds: (m,), of the traction on cells from the trailing end, over the largest one.
-        shapes: (m,), friction times pressure over the bounds, at a scale of 1.
         resultants: (n, 3) filled.
         lanes: (END,), filled.
 
@@ -69,25 +66,23 @@ def strip_resultants(increments: Array, bounds: Array, shapes: Array, resultants
     """
     for first in range(0, len(increments), LANES):
         load_lanes(increments, first, lanes)
-        roll(lanes, bounds, shapes, False)
+        roll(lanes, bounds, False)
         for k in range(min(LANES, len(increments) - first)):
             for d in range(3):
                 resultants[first + k, d] = lanes[SUM + LANES * d + k] / len(bounds)
 
 
 @borrowing
-def strip_slopes(
-    increments: Array, bounds: Array, shapes: Array, resultants: Array, slopes: Array, lanes: Array
-) -> None:
-    """As `strip_resultants`, and derivatives (n, 3, 4) by the increments and the scale, which are filled."""
+def strip_slopes(increments: Array, bounds: Array, resultants: Array, slopes: Array, lanes: Array) -> None:
+    """As `strip_resultants`, and derivatives (n, 3, 3) by the increments, which are filled."""
     for first in range(0, len(increments), LANES):
         load_lanes(increments, first, lanes)
-        roll(lanes, bounds, shapes, True)
+        roll(lanes, bounds, True)
         for k in range(min(LANES, len(increments) - first)):
             for d in range(3):
                 resultants[first + k, d] = lanes[SUM + LANES * d + k] / len(bounds)
-                for j in range(COLUMNS):
-                    slopes[first + k, d, j] = lanes[SLOPES + LANES * (COLUMNS * d + j) + k] / len(bounds)
+                for j in range(3):
+                    slopes[first + k, d, j] = lanes[SLOPES + LANES * (3 * d + j) + k] / len(bounds)
 
 
 @borrowing
@@ -97,56 +92,27 @@ def load_lanes(increments: Array, first: int, lanes: Array) -> None:
     for k in range(min(LANES, len(increments) - first)):
         for d in range(3):
             lanes[LANES * d + k] = increments[first + k, d]
-        lanes[SCALE + k] = increments[first + k, 3]
 
 
 @borrowing
-def roll(lanes: Array, bounds: Array, shapes: Array, slopes: bool) -> None:
+def roll(lanes: Array, bounds: Array, slopes: bool) -> None:
     """Tractions of all cells from the leading end, their sums and, if asked for, those of the derivatives."""
     m = len(bounds)
     h = 2.0 / m
     step, place = 0.5 * h, 1.0 - 0.25 * h
     for i in range(m - 1, -1, -1):
         advance(lanes, step, place, bounds[i])
-        middle, shape, per_square = (2.0 * i + 1.0) / m - 1.0, shapes[i], 1.0 / (bounds[i] * bounds[i])
+        middle = (2.0 * i + 1.0) / m - 1.0
         for k in range(LANES):
-            qx, qy = lanes[QX + k], lanes[QY + k]
-            size = 1.0 + (lanes[SCALE + k] * shape - 1.0) * per_square * (qx * qx + qy * qy)
-            lanes[SUM + k] += size * qx
-            lanes[SUM + LANES + k] += size * qy
-            lanes[SUM + 2 * LANES + k] += middle * size * qy
+            lanes[SUM + k] += lanes[QX + k]
+            lanes[SUM + LANES + k] += lanes[QY + k]
+            lanes[SUM + 2 * LANES + k] += middle * lanes[QY + k]
         if slopes:
-            advance_slopes(lanes, 0, step, 0.0)
-            advance_slopes(lanes, 1, 0.0, step)
-            advance_slopes(lanes, 2, 0.0, step * place)
-            add_slopes(lanes, shape, per_square, middle)
+            advance_slopes(lanes, 0, step, 0.0, middle)
+            advance_slopes(lanes, 1, 0.0, step, middle)
+            advance_slopes(lanes, 2, 0.0, step * place, middle)
         place -= 0.75 * h if i == m - 1 else h
         step = h
-
-
-@borrowing
-def add_slopes(lanes: Array, shape: float, per_square: float, middle: float) -> None:
-    """Add the derivatives of the tractions of a cell to their sums.
-
-    Parameters:
-        lanes: all rows.
-        shape: friction times pressure over the bound, at a scale of 1.
-        per_square: 1 over the square of the bound.
-        middle: place of the cell.
-    """
-    for k in range(LANES):
-        qx, qy = lanes[QX + k], lanes[QY + k]
-        beyond, square = (lanes[SCALE + k] * shape - 1.0) * per_square, qx * qx + qy * qy
-        for j in range(3):
-            by_x, by_y, sums = lanes[BY_X + LANES * j + k], lanes[BY_Y + LANES * j + k], SLOPES + LANES * j + k
-            size, change = 1.0 + beyond * square, 2.0 * beyond * (qx * by_x + qy * by_y)
-            lanes[sums] += size * by_x + change * qx
-            lanes[sums + COLUMNS * LANES] += size * by_y + change * qy
-            lanes[sums + 2 * COLUMNS * LANES] += middle * (size * by_y + change * qy)
-        sums, by_scale = SLOPES + 3 * LANES + k, shape * per_square * square
-        lanes[sums] += by_scale * qx
-        lanes[sums + COLUMNS * LANES] += by_scale * qy
-        lanes[sums + 2 * COLUMNS * LANES] += middle * by_scale * qy
 
 
 @borrowing
@@ -173,15 +139,16 @@ def advance(lanes: Array, step: float, place: float, bound: float) -> None:
 
 
 @borrowing
-def advance_slopes(lanes: Array, j: int, step_x: float, step_y: float) -> None:
-    """Derivatives of the tractions by increment j one cell further, after `advance`.
+def advance_slopes(lanes: Array, j: int, step_x: float, step_y: float, middle: float) -> None:
+    """Derivatives of the tractions by increment j one cell further, after `advance`, and their sums.
 
     Parameters:
         lanes: all rows.
         j: number of the increment.
         step_x, step_y: derivatives of the displacements of the cell by the increment.
+        middle: place of the cell.
     """
-    x, y = BY_X + LANES * j, BY_Y + LANES * j
+    x, y, sums = BY_X + LANES * j, BY_Y + LANES * j, SLOPES + LANES * j
     for k in range(LANES):
         by_x, by_y, qx, qy = lanes[x + k], lanes[y + k], lanes[BEFORE_X + k], lanes[BEFORE_Y + k]
         new_x, new_y, less, before = by_x - step_x, by_y - step_y, lanes[FACTOR + k], lanes[BEFORE + k]
@@ -191,5 +158,9 @@ def advance_slopes(lanes: Array, j: int, step_x: float, step_y: float) -> None:
         by_nx, by_ny = new_x + less * by_x + by_factor * qx, new_y + less * by_y + by_factor * qy
         ux, uy = lanes[UX + k], lanes[UY + k]
         across = (ux * by_ny - uy * by_nx) * lanes[SHORTER + k]
-        lanes[x + k] = new_x if lanes[STICKS + k] > 0.0 else -uy * across
-        lanes[y + k] = new_y if lanes[STICKS + k] > 0.0 else ux * across
+        by_x = new_x if lanes[STICKS + k] > 0.0 else -uy * across
+        by_y = new_y if lanes[STICKS + k] > 0.0 else ux * across
+        lanes[x + k], lanes[y + k] = by_x, by_y
+        lanes[sums + k] += by_x
+        lanes[sums + 3 * LANES + k] += by_y
+        lanes[sums + 6 * LANES + k] += middle * by_y
