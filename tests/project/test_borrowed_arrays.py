@@ -14,7 +14,8 @@ from numba.core.errors import NumbaError
 from wheelrail.support.compiled import borrowing
 
 ROOT = Path(__file__).parents[2]
-COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled")  # folders of compiled functions
+# Folders of compiled functions.
+COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled", "vehicle/simulation")
 
 
 def borrowing_functions() -> list[Any]:
