@@ -17,7 +17,7 @@ from wheelrail.contact.models.standard.forces import (
     rolling_patch,
 )
 from wheelrail.contact.models.standard.normal import StripPressures
-from wheelrail.contact.models.standard.strip_resultant import COLUMNS, END, strip_increments, strip_resultants
+from wheelrail.contact.models.standard.strip_resultant import END, strip_increments, strip_resultants
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
 
@@ -49,9 +49,9 @@ def strip_loads(
     The sums over all cells of `wheelrail.contact.models.standard.forces.strip_forces`.
     """
     method, mu, reduction, cells = friction
-    (arch, dome), slowest, start, n = half_ellipse_means(cells), np.inf, 0, len(strips.s)
+    dome, slowest, start = half_ellipse_means(cells)[1], np.inf, 0
     top = dome.max()
-    bounds, shapes, increments, resultants = dome / top, arch / dome, np.empty((n, COLUMNS)), np.empty((n, 3))
+    bounds, increments, resultants = dome / top, np.empty((len(strips.s), 3)), np.empty((len(strips.s), 3))
     lanes = np.empty(END)
     for c in range(len(zones.peak)):
         stop = start
@@ -70,8 +70,7 @@ def strip_loads(
                 bound, creep = mu * patch.paraboloid * half * half * top, (patch.creepages[0], patch.creepages[1])
                 along, across, turn = strip_increments(patch.flexibility, creep, own, half, bound)
                 increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
-                increments[i, 3] = strips.scale[i] / (patch.paraboloid * half)
-            strip_resultants(increments[start:stop], bounds, shapes, resultants[start:stop], lanes)
+            strip_resultants(increments[start:stop], bounds, resultants[start:stop], lanes)
         for i in range(start, stop):
             half, size = strips.half[i], strips.width[i] * zones.weight[c]
             normal = 0.5 * np.pi * strips.scale[i] * half * half * size
