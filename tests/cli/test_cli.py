@@ -262,7 +262,7 @@ def test_error_estimate_and_stress_on_demand(tmp_path: Path) -> None:
         "lattice",
     ]
     found = report["contact"]
-    assert found["statistics"]["points"] == 8 * 10
+    assert found["statistics"]["points"] == 8 * 12  # a patch that is long has more cells
     assert set(found["error_estimate"]) == {"force", "moment", "max_pressure", "area"}
     assert 0 < found["error_estimate"]["force"] < 0.05 * 10e3
     assert 0 < found["error_estimate"]["max_pressure"] < 0.1 * found["patches"][0]["max_pressure"]
