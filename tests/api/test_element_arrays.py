@@ -117,7 +117,7 @@ def test_derivatives_by_all_inputs() -> None:
         ({"z": -0.5}, "failed: z = -0.5: must be"),
         ({"left_rail_z": float("inf")}, "failed: left_rail_z = inf: must be"),
         ({"speed": 0.0, "pitch_rate": 0.0}, "failed: left: friction needs a positive rolling speed"),
-        ({"z": -0.02}, "failed: left: the wheel overlaps the rail"),
+        ({"y": 0.01, "z": -0.02}, "failed: left: the wheel overlaps the rail 2.2"),
         ({"z": -0.05}, "failed: left: the wheel lies inside the rail, too deep for a contact"),
     ],
 )

@@ -14,8 +14,8 @@ static void *path(void *text)
     double in[WHEELRAIL_INPUTS], out[WHEELRAIL_OUTPUTS], slope[WHEELRAIL_FORCES], patch[2 * WHEELRAIL_PATCH_VALUES];
     int k, n, element = wheelrail_open(options, NULL);
     char *end = text;
-    wheelrail_start(element, in);
-    for (k = 0; k < 3; k++) {
+    if (wheelrail_start(element, in)) wheelrail_error(element, text, 300);
+    else for (k = 0; k < 3; k++) {
         in[WHEELRAIL_IN_Y] = place[k][0];
         in[WHEELRAIL_IN_Z] = place[k][1];
         if (wheelrail_solve(element, in, out) || wheelrail_tangent(element, WHEELRAIL_IN_YAW, slope)) return NULL;

@@ -19,6 +19,7 @@ import wheelrail as wr
 from wheelrail.api.elements.variables import INPUTS, OUTPUTS
 from wheelrail.cli.main import app
 from wheelrail.export.header import c_header
+from wheelrail.export.host import loaded_inputs
 
 pytest.importorskip("cffi")
 if shutil.which("cc") is None:
@@ -59,10 +60,10 @@ def output(program: Path, *arguments: str, **settings: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def numbers(element: wr.WheelsetElement) -> list[float]:
+def numbers(wheelset: wr.Wheelset) -> list[float]:
     """What host.c prints of an element."""
     values: list[float] = []
-    outputs, inputs = np.zeros(len(OUTPUTS)), element.start_array()
+    element, outputs, inputs = wheelset.element(), np.zeros(len(OUTPUTS)), loaded_inputs(wheelset)
     for inputs[0], inputs[1] in PLACES:
         assert element.solve_array(inputs, outputs) == "converged"
         values += [*outputs, *element.tangent_array([3])[:, 0], *element.patch_array().ravel()]
@@ -71,7 +72,7 @@ def numbers(element: wr.WheelsetElement) -> list[float]:
 
 
 def test_a_host_in_c(folder: Path) -> None:
-    expected = numbers(wr.Wheelset(**LATTICE).element())
+    expected = numbers(wr.Wheelset(**LATTICE))
     program = built(folder, "cc", str(HERE / "host.c"))
     first, second, *errors = output(program, json.dumps(LATTICE), json.dumps(STANDARD))
     assert [float.fromhex(text) for text in first.split()] == expected
@@ -101,10 +102,10 @@ def test_the_examples(folder: Path) -> None:
     assert last[2] + last[8] == pytest.approx(164e3, rel=0.01)  # the wheelset falls for 1 ms
     if shutil.which("gfortran") is None:
         pytest.skip("no Fortran compiler")
-    element, outputs = wr.Wheelset(**STANDARD).element(), np.zeros(len(OUTPUTS))
-    inputs = element.start_array()
+    wheelset, outputs = wr.Wheelset(**STANDARD), np.zeros(len(OUTPUTS))
+    inputs = loaded_inputs(wheelset)
     inputs[1] = -2.5e-4
-    element.solve_array(inputs, outputs)
+    wheelset.element().solve_array(inputs, outputs)
     program = built(folder, "gfortran", "wheelrail.f90", "example.f90")
     assert [float(line) for line in output(program, options)] == outputs.tolist()
 

@@ -20,6 +20,7 @@ from typer.testing import CliRunner
 import wheelrail as wr
 from wheelrail.api.elements.variables import OUTPUTS
 from wheelrail.cli.main import app
+from wheelrail.export.host import loaded_inputs
 from wheelrail.export.runtime import FINITE_ELEMENTS, PACKAGES, write_scene
 
 pytest.importorskip("cffi")
@@ -100,7 +101,7 @@ def numbers(scene: Path) -> list[float]:
     loaded = wr.load(scene)
     assert isinstance(loaded, wr.Wheelset)
     element, values, outputs = loaded.element(), [], np.zeros(len(OUTPUTS))
-    inputs = element.start_array()
+    inputs = loaded_inputs(loaded)
     for inputs[0], inputs[1] in PLACES:
         assert element.solve_array(inputs, outputs) == "converged"
         values += [*outputs, *element.tangent_array([3])[:, 0], *element.patch_array().ravel()]

@@ -26,6 +26,7 @@ if shutil.which("cc") is None:
 HERE = Path(__file__).parent
 SCENES = HERE.parents[1] / "scenes"
 PLACES = ((-1e-3, -2.8e-4), (-1.2e-3, -2.7e-4))
+SLIPPERY = {"friction": 0.1}
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +57,12 @@ def unit3(scene: Path) -> Path:
     return exported_unit(scene, "3.0")
 
 
-def numbers(element: wr.WheelsetElement, places: Any) -> list[list[float]]:
-    """Outputs, derivatives by yaw and area of the left patch at each place, which is accepted."""
-    rows, outputs, inputs = [], np.zeros(len(OUTPUTS)), element.start_array()
+def numbers(scene: Path, places: Any, **values: Any) -> list[list[float]]:
+    """Outputs, derivatives by yaw and area of the left patch at each place, accepted, of a unit with other values."""
+    loaded = wr.load(scene)
+    assert isinstance(loaded, wr.Wheelset)
+    element = wr.Wheelset(**{**loaded.arguments, **values}).element()
+    rows, outputs, inputs = [], np.zeros(len(OUTPUTS)), loaded_inputs(loaded)
     for inputs[0], inputs[1] in places:
         assert element.solve_array(inputs, outputs) == "converged"
         rows.append([*outputs, *element.tangent_array([3])[:, 0], element.patch_array()[0, 1]])
@@ -67,7 +71,7 @@ def numbers(element: wr.WheelsetElement, places: Any) -> list[list[float]]:
 
 
 def test_a_host_in_c(unit: Path, scene: Path, tmp_path: Path) -> None:
-    expected = numbers(wr.load(scene).element(), PLACES)  # type: ignore[union-attr]
+    expected = numbers(scene, PLACES)
     ZipFile(unit).extractall(tmp_path / "a b")
     (library,) = (tmp_path / "a b/binaries/linux64").iterdir()
     program = tmp_path / "host"
@@ -89,9 +93,8 @@ def test_a_host_in_c(unit: Path, scene: Path, tmp_path: Path) -> None:
         assert [float.fromhex(value) for value in values] == row
         assert failed == "0"
     assert first == again == new
-    slippery = wr.Wheelset(**{**wr.load(scene).arguments, "left": {"friction": 0.1}})
     *values, _ = other.split()
-    assert [float.fromhex(value) for value in values] == numbers(slippery.element(), PLACES[:1])[0]
+    assert [float.fromhex(value) for value in values] == numbers(scene, PLACES[:1], left=SLIPPERY)[0]
 
 
 @pytest.mark.parametrize("fmi", ["2.0", "3.0"])
@@ -101,7 +104,8 @@ def test_fmpy_validates_and_drives_the_unit(fmi: str, scene: Path, request: pyte
 
     unit: Path = request.getfixturevalue("unit" if fmi == "2.0" else "unit3")
     assert validate_fmu(str(unit)) == []
-    element, outputs = wr.load(scene).element(), np.zeros(len(OUTPUTS))  # type: ignore[union-attr]
+    loaded, outputs = wr.load(scene), np.zeros(len(OUTPUTS))
+    assert isinstance(loaded, wr.Wheelset)
     names = [variable.name for variable in OUTPUTS[:12]]
     signal = np.array([(0.0, -2.5e-4), (3e-3, -2.8e-4)], dtype=[("time", float), ("z", float)])
     for kind in ("ModelExchange", "CoSimulation"):
@@ -109,17 +113,17 @@ def test_fmpy_validates_and_drives_the_unit(fmi: str, scene: Path, request: pyte
             str(unit), fmi_type=kind, stop_time=3e-3, output_interval=1e-3, step_size=1e-3, input=signal, output=names
         )
         assert len(run) == 4
-        inputs = element.start_array()
+        inputs = loaded_inputs(loaded)
         inputs[1] = -2.5e-4
-        element.solve_array(inputs, outputs)
+        loaded.element().solve_array(inputs, outputs)
         assert list(run[0])[1:] == pytest.approx(outputs[:12].tolist(), rel=1e-6)
         assert run["left_Fz"][-1] > run["left_Fz"][0] > 1e4
     description = fmpy.read_model_description(str(unit))
     starts = {variable.name: float(variable.start) for variable in description.modelVariables if variable.start}
     assert starts["speed"] == 45.0
     assert starts["right_friction"] == 0.3
-    loaded = fmpy.simulate_fmu(str(unit), stop_time=1e-3, step_size=1e-3, output=["left_Fz", "right_Fz"])
-    assert [loaded[side][0] for side in ("left_Fz", "right_Fz")] == pytest.approx([57e3, 57e3], rel=1e-4)
+    start = fmpy.simulate_fmu(str(unit), stop_time=1e-3, step_size=1e-3, output=["left_Fz", "right_Fz"])
+    assert [start[side][0] for side in ("left_Fz", "right_Fz")] == pytest.approx([57e3, 57e3], rel=1e-4)
     described = [variable.name for variable in description.modelVariables if variable.name != "time"]
     assert described[: len(INPUTS)] == [variable.name for variable in INPUTS]
     assert description.fmiVersion == fmi
@@ -181,10 +185,9 @@ def test_units_of_fmi_3_live_side_by_side(unit3: Path, scene: Path, tmp_path: Pa
     second.setFloat64([200], [0.1])
     for slave in (first, second):
         slave.exitInitializationMode()
-    expected = numbers(wr.load(scene).element(), PLACES)  # type: ignore[union-attr]
-    slippery = wr.Wheelset(**{**wr.load(scene).arguments, "left": {"friction": 0.1}})  # type: ignore[union-attr]
+    expected = numbers(scene, PLACES)
     assert row(first, *PLACES[0]) == expected[0]
-    assert row(second, *PLACES[0]) == numbers(slippery.element(), PLACES[:1])[0]
+    assert row(second, *PLACES[0]) == numbers(scene, PLACES[:1], left=SLIPPERY)[0]
     assert row(first, *PLACES[1]) == expected[1]
     seed = np.linspace(1.0, 2.0, len(forces))
     (adjoint,) = first.getAdjointDerivative(forces, [3], seed, nSensitivity=1)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.kinematics.wheelset_state import Mounting
     from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.scenes.contacts.side_solution import SideSolution
 
 SECTIONS = {"profiles": keys_of(ProfilesTable), "track": keys_of(TrackTable), "wheelset": keys_of(Position)}
 OWN = [key for key in keys_of(WheelsetScene) if key not in ("kind", *SECTIONS)]
@@ -173,9 +174,13 @@ class Wheelset:
             "error_estimate": error_estimate,
             "stress": stress,
         }
-        scene = self._scene(arguments)
-        sides_solved = dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles))
+        scene, sides_solved = self.solved_sides(arguments)
         return solved(scene, sides_solved, self.side_profiles, replaced(self.arguments, arguments, GROUPS))
+
+    def solved_sides(self, arguments: Mapping[str, Any]) -> tuple[WheelsetScene, dict[str, SideSolution]]:
+        """Scene of arguments of `solve`, and the solution of each side, without a dataset. Raises SceneError."""
+        scene = self._scene(arguments)
+        return scene, dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles))
 
     def element(self, *, host: Sequence[Literal["axle", "wheels", "rails"]] = ()) -> WheelsetElement:
         """Contact element for a time integration; bodies and tables are shared with this wheelset.

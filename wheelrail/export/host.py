@@ -176,12 +176,11 @@ def loaded_inputs(wheelset: Wheelset) -> Array:
         return inputs
     load, tilted = arguments.get("axle_load"), arguments.get("roll") not in (None, 0.0, "solve")
     by_wheel = {} if load is None else {"wheel_load": 0.5 * load}
-    data = wr.Wheelset(**arguments).solve(**({} if load and tilted else {**by_wheel, "roll": "solve"})).data
-    statuses = data["status"].values.tolist()
-    if failed := [status for status in statuses if status not in ("converged", "separated")]:
+    given = {} if load and tilted else {**by_wheel, "roll": "solve"}
+    _, sides = wr.Wheelset(**arguments).solved_sides(given)
+    if failed := [side.result.status for side in sides.values() if not side.result.ok]:
         raise ValueError(f"the load of the scene cannot be carried: {failed[0]}")
-    for name in ("z", "roll"):
-        inputs[INPUT_NUMBERS[name]] = float(data[name][0])
+    inputs[INPUT_NUMBERS["z"]], inputs[INPUT_NUMBERS["roll"]] = sides["left"].z, sides["left"].roll
     return inputs
 
 

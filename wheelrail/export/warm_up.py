@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wheelrail.export.host import loaded_wheelset
+from wheelrail.export.host import loaded_inputs, loaded_wheelset
 from wheelrail.scenes.schema.errors import SceneError
 
 SCENE = "scene.toml"
@@ -12,7 +12,7 @@ DEPTH = 1e-4  # m, of both wheels in their rails: a tenth of a static load, some
 
 
 def warm_up(folder: Path) -> None:
-    """Solve both contacts of a wheelset, with tangent and patches.
+    """Solve both contacts of a wheelset, under its load and at a height, with tangent and patches.
 
     Parameters:
         folder: that of its scene.toml.
@@ -21,6 +21,7 @@ def warm_up(folder: Path) -> None:
     that the model needs.
     """
     wheelset = loaded_wheelset(f'{{"scene": "{SCENE}"}}', folder)
+    loaded_inputs(wheelset)
     element = wheelset.element()
     start = element.solve()
     lift = min(start.approach.values())
