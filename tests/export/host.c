@@ -18,7 +18,8 @@ static void *path(void *text)
     else for (k = 0; k < 3; k++) {
         in[WHEELRAIL_IN_Y] = place[k][0];
         in[WHEELRAIL_IN_Z] = place[k][1];
-        if (wheelrail_solve(element, in, out) || wheelrail_tangent(element, WHEELRAIL_IN_YAW, slope)) return NULL;
+        if (wheelrail_solve(element, in, out)) return wheelrail_error(element, end, 300), NULL;
+        if (wheelrail_tangent(element, WHEELRAIL_IN_YAW, slope)) return NULL;
         if (wheelrail_patches(element, patch) || wheelrail_accept(element)) return NULL;
         for (n = 0; n < WHEELRAIL_OUTPUTS; n++) end += sprintf(end, "%a ", out[n]);
         for (n = 0; n < WHEELRAIL_FORCES; n++) end += sprintf(end, "%a ", slope[n]);

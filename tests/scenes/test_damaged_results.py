@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -206,3 +207,29 @@ def test_arrays_beyond_memory_are_one_line(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, ["evaluate", str(tmp_path / "run.nc")])
     assert done.exit_code == 2
     assert "GB of memory" in done.stderr
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{4241: 227, 5782: 18, 6641: 239, 9827: 136}, {3480: 152, 7813: 184, 9197: 82}],
+    ids=["HDF5 crashes", "HDF5 reads for ever"],
+)
+def test_files_of_other_programs_that_end_the_library(
+    changed: dict[int, int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Without the hash at their end files are first read by another process."""
+    file = tmp_path / "other.nc"
+    with netCDF4.Dataset(file, "w") as data:
+        data.createDimension("t", 200)
+        data.createVariable("a", "f8", ("t",), zlib=True)[:] = np.arange(200.0)
+        data["a"].units = "m"
+        data.createVariable("s", str, ("t",))[0] = "abc"
+        data.title = 2000 * "x"
+    assert read(file)["a"][-1] == 199.0
+    content = bytearray(file.read_bytes())
+    for place, value in changed.items():
+        content[place] = value
+    file.write_bytes(content)
+    monkeypatch.setattr("wheelrail.scenes.datasets.netcdf.PATIENCE", 4.0)
+    with pytest.raises(wr.SceneError, match=r"other\.nc: not a readable NetCDF file, it may be damaged"):
+        read(file)

@@ -8,11 +8,11 @@ from wheelrail.export.host import loaded_inputs, loaded_wheelset
 from wheelrail.scenes.schema.errors import SceneError
 
 SCENE = "scene.toml"
-DEPTH = 1e-4  # m, of both wheels in their rails: a tenth of a static load, some 50 kN, for S1002 on 60E1
+DEPTHS = (5e-6, 1e-4)  # m, of both wheels in their rails, of S1002 on 60E1 some 0.5 kN, on narrower strips, and 50 kN
 
 
 def warm_up(folder: Path) -> None:
-    """Solve both contacts of a wheelset, under its load and at a height, with tangent and patches.
+    """Solve both contacts of a wheelset, under its load and at two heights, with tangent and patches.
 
     Parameters:
         folder: that of its scene.toml.
@@ -25,9 +25,10 @@ def warm_up(folder: Path) -> None:
     element = wheelset.element()
     start = element.solve()
     lift = min(start.approach.values())
-    solution = element.solve(z=start.state.z + lift - DEPTH)
-    if solution.status != "converged":
-        raise SceneError(f"the contact of the scene cannot be solved: {solution.status}")
+    for depth in DEPTHS:
+        solution = element.solve(z=start.state.z + lift - depth)
+        if solution.status != "converged":
+            raise SceneError(f"the contact of the scene cannot be solved: {solution.status}")
     if wheelset.arguments.get("model") != "standard":
         element.tangent()
     element.patches()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import platform
+import subprocess
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
 MOST = 100_000.0  # MB
 LONGEST = 10_000  # characters of an attribute in the header of a file
 INITIAL = 65_536  # bytes of a file in memory
+TRIAL = "import sys, netCDF4; [v[...] for v in netCDF4.Dataset(sys.argv[1]).variables.values()]"
+PATIENCE, RATE = 30.0, 1e7  # s and bytes/s, of a trial
 
 
 def machine() -> str:
@@ -40,7 +44,8 @@ def read(file: Path) -> Dataset:
         raise SceneError(f"{file}: file does not exist")
     try:
         check_regular(file, MOST, "a NetCDF file")
-        is_sealed(file)  # before HDF5 reads it, which may crash on damaged files
+        if not is_sealed(file):
+            _try(file)
         with open_dataset(file, engine="netcdf4", decode_times=False) as stored:
             check_memory(str(file), 1e-9 * stored.nbytes)
             return stored.load()
@@ -51,6 +56,17 @@ def read(file: Path) -> Dataset:
     except Exception as error:  # of a damaged file the libraries may raise almost any
         text = " ".join(f"{error}".split()) or type(error).__name__
         raise SceneError(f"{file}: not a readable NetCDF file, it may be damaged: {text}") from None
+
+
+def _try(file: Path) -> None:
+    """Read a file in another process: HDF5 may crash on damaged ones, or read them for ever. Raises Damaged."""
+    limit = PATIENCE + file.stat().st_size / RATE
+    try:
+        done = subprocess.run([sys.executable, "-c", TRIAL, file], capture_output=True, timeout=limit, check=False)
+    except subprocess.TimeoutExpired:
+        raise Damaged(f"{file}: not a readable NetCDF file, it may be damaged: no end after {limit:.0f} s") from None
+    if done.returncode < 0:
+        raise Damaged(f"{file}: not a readable NetCDF file, it may be damaged: HDF5 crashes on it")
 
 
 def write(data: Dataset, file: Path) -> None:
