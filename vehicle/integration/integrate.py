@@ -136,7 +136,7 @@ class StepSettings:
         """Largest error, in tolerances.
 
         Parameters:
-            error: (n,) of the state.
+            error: (n,) of the state, or (k, n) several.
             magnitude: (n,) of the state.
             outputs: (o, n) derivatives of outputs; None: none.
         """
@@ -144,7 +144,7 @@ class StepSettings:
         if outputs is None or self.output_tolerance == np.inf:
             return largest
         # Sums of all rows in the same order: those of mirrored motions are mirrored bit for bit, other than by BLAS.
-        return max(largest, float(np.max(np.abs((outputs * error).sum(axis=1)))) / self.output_tolerance)
+        return max(largest, float(np.max(np.abs((outputs * error[..., None, :]).sum(axis=-1)))) / self.output_tolerance)
 
 
 @dataclass(frozen=True)
@@ -219,9 +219,9 @@ def integrate(
         if h < settings.min_step and h < target - t:
             raise StepTooSmall(f"step {h:.3g} s < {settings.min_step:.3g} s at t = {t:.9g} s: {reason}") from reason
         try:
-            new, difference, last = trial_step(t, x, start, h)
+            new, errors, last = trial_step(t, x, start, h)
             magnitude, after = np.maximum(np.abs(x), np.abs(new)), target if h == target - t else t + h
-            error = settings.in_tolerances(difference, magnitude, trial_step.outputs)
+            error = settings.in_tolerances(errors, magnitude, trial_step.outputs)
             if error <= 1.0:
                 end, nonlinear = trial_step.end(after, new, last)
                 if nonlinear is not None:
