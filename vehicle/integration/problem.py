@@ -63,8 +63,8 @@ LongestStep = Callable[[float, Array, E, float], float]
 
 
 class StepMethod(Protocol[E]):
-    """Trial step of length h from x at t, with the evaluation `start` there: new state, its errors (n,) or (k, n), evaluation
-    of the last stage. Raises StepFailure.
+    """Trial step of length h from x at t, with the evaluation `start` there: new state, its errors, (n,) or (k, n), and
+    the evaluation of the last stage. Raises StepFailure.
 
     end: evaluation at the new state, and the error of the linearisation that it shows; None: no such error.
     outputs: derivatives (o, n), see `HasDerivatives`, at the start of the latest trial.
