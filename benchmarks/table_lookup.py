@@ -19,13 +19,14 @@ from typing import Any
 import numpy as np
 
 from benchmarks.common.machine import machine_description
+from wheelrail.cli.output import print_results
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.models.table.force import table_force
 from wheelrail.contact.models.table.force_table import ForceTable
 from wheelrail.contact.models.table.model import TableContact
 from wheelrail.scenes.datasets.force_table import force_tables
 from wheelrail.scenes.datasets.netcdf import read
-from wheelrail.scenes.tables.make import error_lines
+from wheelrail.scenes.tables.make import table_results
 from wheelrail.support.compiled import compiled
 
 PARTS, CALLS = 10, 2000
@@ -88,7 +89,8 @@ def main() -> None:
         print(f"| {side} | us |\n|---|---|")
         for name, value in costs(table).items():
             print(f"| {name} | {value:.2f} |")
-    print("", *error_lines(data), f"made in {data.attrs['seconds']:.0f} s", sep="\n")
+    print()
+    print_results(table_results(data, file))
 
 
 if __name__ == "__main__":

@@ -26,8 +26,8 @@ from wheelrail.cli.main import app
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.scenes.contacts.report import json_text
 from wheelrail.scenes.datasets.number_text import fixed, significant
+from wheelrail.scenes.datasets.result_table import json_text
 from wheelrail.scenes.runs.progress import case_bar
 from wheelrail.support.terminal import messages_on
 
@@ -78,7 +78,7 @@ def test_curving_is_printed_for_each_speed(monkeypatch: pytest.MonkeyPatch) -> N
     """Values of the paper's curve; the stand-in contact has no patches."""
     outcome = vehicle("curving", monkeypatch, "--speed", "20", "--speed", "45")
     assert outcome.exit_code == 0
-    assert re.search(r"cant deficiency \(mm\) +-9\.0 +198\.0", outcome.stdout)
+    assert re.search(r"cant deficiency \[mm\] +-9\.0 +198\.0", outcome.stdout)
     assert re.search(r"wheel load Q.*36\.58  73\.18", outcome.stdout)
     assert "cant 60 mm" in outcome.stdout
     assert "45" in vehicle("curving", monkeypatch).stdout.splitlines()[1]  # the scene's speed

@@ -12,7 +12,8 @@ from malformed_inputs import WHEELSET, standard
 from typer.testing import CliRunner
 
 from wheelrail.cli.main import app
-from wheelrail.support.terminal import progress_console, result_console
+from wheelrail.cli.output import result_console
+from wheelrail.support.terminal import progress_console
 
 ROOT = Path(__file__).parents[2]
 

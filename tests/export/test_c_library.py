@@ -136,7 +136,7 @@ def test_header_and_module_have_the_numbers_of_the_table(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        ([], "export: exactly one of --out DIR, --fmu FILE and --c DIR is required"),
+        ([], "export: exactly one of --out DIR, --fmu FILE, --c DIR and --csv FILE is required"),
         (["scene.toml", "--c", "x"], "export: scene.toml: not allowed with --c"),
         (["--fmu", "x.fmu"], "export: SCENE is required"),
         ([str(SCENES / "wheelset.toml"), "--fmu", "x.zip"], "--fmu x.zip: must end in .fmu"),

@@ -184,7 +184,7 @@ def test_files_of_the_scene_are_in_the_runtime(tmp_path: Path) -> None:
     ("arguments", "says"),
     [
         (["--c", "x", "--runtime"], "export: SCENE is required"),
-        (["scene.toml", "--out", "x", "--runtime"], "export: --runtime: not allowed with --out"),
+        (["scene.toml", "--out", "x", "--runtime"], "export: --runtime: allowed only with --fmu and --c"),
         ([str(ROOT / "scenes/hertz.toml"), "--c", "x", "--runtime"], f"{ROOT / 'scenes/hertz.toml'}: kind = "),
         ([str(ROOT / "scenes/wheelset.toml"), "--fmu", "x.fmu", "--fmi", "1.0"], "--fmi 1.0: must be 2.0 or 3.0"),
     ],

@@ -195,7 +195,7 @@ def test_every_series_has_its_line_and_its_order(here: Here) -> None:
     pairs = zip(data["order_max_pressure"].values, data["order_error_max_pressure"].values, strict=True)
     expected = [f"{order:.2f} ± {deviation:.2f}" for order, deviation in pairs]
     assert [text.get_text() for text in legend.get_texts()] == expected
-    assert order_table(data).row_count == 2
+    assert len(order_table(data).rows) == 2
 
 
 # Scenes

@@ -223,7 +223,8 @@ def test_cant_and_deficiency_have_one_sign_in_table_and_picture() -> None:
     """The scene ends in a right-hand curve of 60 mm of cant: positive, as in the scene, in both."""
     scene = load_run("irregular")
     table = segment_table(scene)
-    cells = {str(column.header): list(column.cells) for column in table.columns}
+    text = table.as_text
+    cells = dict(zip(text.head, zip(*text.rows, strict=True), strict=True))
     (ax,) = (
         ax
         for ax in track_figure(scene).axes
@@ -232,10 +233,10 @@ def test_cant_and_deficiency_have_one_sign_in_table_and_picture() -> None:
     drawn = {str(line.get_label()): line for line in ax.lines}
     for name in ("cant", "cant deficiency"):
         x, y = drawn[name].get_data()
-        ends = np.array([float(text) for text in cells["to m"]])
-        np.testing.assert_allclose(np.interp(ends, x, y), [float(text) for text in cells[f"{name} mm"]], atol=0.6)
-    assert float(cells["cant mm"][-1]) == 60.0
-    assert float(cells["radius m"][-1]) < 0.0
+        ends = np.array([float(text) for text in cells["to [m]"]])
+        np.testing.assert_allclose(np.interp(ends, x, y), [float(text) for text in cells[f"{name} [mm]"]], atol=0.6)
+    assert float(cells["cant [mm]"][-1]) == 60.0
+    assert float(cells["radius [m]"][-1]) < 0.0
 
 
 def test_pictures_between_two_widths_of_strips_show_one_of_them() -> None:

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from wheelrail.cli.main import app
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
-from wheelrail.scenes.runs.vehicle_steady import critical_speed_lines
+from wheelrail.scenes.runs.vehicle_steady import critical_speed_results
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.multibody.vehicle import SuspensionElement
 from wheelrail.vehicle.steady.critical_speed import CriticalSpeed
@@ -144,11 +144,13 @@ def test_critical_speed_on_strips_is_a_mean_over_their_places(tmp_path: Path) ->
     assert "mean of 2 places of the strips" in outcome.stdout
     mode = Mode(complex(0.0, 35.0), np.ones(1, dtype=complex), np.ones(1), ("wheelset_y",))
     found = [CriticalSpeed(speed, mode) for speed in (81.0, 82.0, 84.0)]
-    first, *_ = critical_speed_lines(found, (60.0, 110.0))
-    assert first == (
+    (text,) = critical_speed_results(found, (60.0, 110.0)).parts
+    assert str(text).splitlines()[0] == (
         "linear critical speed: 82.33 ± 0.88 m/s (296.4 km/h), mean of 3 places of the strips (81.00 to 84.00 m/s)"
     )
-    assert "at 1 of 4 places of the strips" in critical_speed_lines([*found, None], (60.0, 110.0))[0]
+    some = critical_speed_results([*found, None], (60.0, 110.0))
+    assert "at 1 of 4 places of the strips" in str(some.parts[0])
+    assert (some.report["critical_speeds"], some.report["critical_speed"]) == ([81.0, 82.0, 84.0, None], None)
 
 
 def test_commands_on_cooperriders_bogie(tmp_path: Path) -> None:

@@ -285,7 +285,7 @@ def test_method_in_a_scene(plain: History) -> None:
     for wrong in ({"workers": 3}, {"method": "radau"}):
         with pytest.raises(ValidationError):
             SolverTable(**wrong)  # type: ignore[arg-type]
-    assert f"{plain.cost.steps.jacobians} Jacobians" in str(costs(plain).caption)  # type: ignore[union-attr]
+    assert f"{plain.cost.steps.jacobians} Jacobians" in costs(plain).note
 
 
 def test_errors_follow_the_tolerance(plain: History, tight: History) -> None:

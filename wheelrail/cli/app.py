@@ -12,9 +12,11 @@ import typer
 from typer.core import TyperGroup
 
 from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
+from wheelrail.cli.output import Output
 from wheelrail.support.terminal import set_verbosity
 
 QUIET = "Print results and errors only: no progress, no messages."
+JSON = "Print results as one JSON object with schema and units, in SI units."
 VERBOSE = "Print details of the solvers and warnings of libraries, too."
 
 
@@ -23,6 +25,7 @@ class Commands(TyperGroup):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         set_verbosity()
+        Output.json = False
         return list(super().parse_args(ctx, args))
 
     def get_command(self, ctx: Any, cmd_name: str) -> Any:
@@ -57,8 +60,13 @@ def _set_verbose(given: bool) -> None:
         set_verbosity(verbose=True)
 
 
+def _set_json(given: bool) -> None:
+    Output.json |= given
+
+
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", callback=_set_quiet, expose_value=False, help=QUIET)]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", callback=_set_verbose, expose_value=False, help=VERBOSE)]
+Json = Annotated[bool, typer.Option("--json", callback=_set_json, expose_value=False, help=JSON)]
 
 
 @cache
@@ -67,10 +75,10 @@ def _shared_options() -> list[Any]:
     shared = typer.Typer(add_completion=False)
 
     @shared.command()
-    def verbosity(quiet: Quiet = False, verbose: Verbose = False) -> None: ...
+    def output(json: Json = False, quiet: Quiet = False, verbose: Verbose = False) -> None: ...
 
     command: Any = typer.main.get_command(shared)
-    return [parameter for parameter in command.params if parameter.name in ("quiet", "verbose")]
+    return [parameter for parameter in command.params if parameter.name in ("json", "quiet", "verbose")]
 
 
 app = typer.Typer(
@@ -95,6 +103,7 @@ def options(
         bool,
         typer.Option("--version", callback=_print_version, is_eager=True, help="Print version and commit, and exit."),
     ] = False,
+    json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
     laws: Annotated[

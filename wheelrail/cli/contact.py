@@ -12,7 +12,8 @@ from wheelrail.cli.app import app
 from wheelrail.cli.arguments import SceneFile, check_picture, load, reject_mpi, rejected
 from wheelrail.cli.exit_codes import FAILED
 from wheelrail.cli.mpi_launcher import first
-from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
+from wheelrail.cli.output import print_results
+from wheelrail.support.terminal import progress_console, stdout_for_results
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 @app.command()
 def contact(
     scene: SceneFile,
-    json: Annotated[bool, typer.Option("--json", help="Print one JSON object to standard output.")] = False,
     picture: Annotated[
         Path | None,
         typer.Option("--picture", metavar="FILE", help="Save a figure of the patches (.png, .svg, .pdf)."),
@@ -37,15 +37,12 @@ def contact(
         reject_mpi(f'{scene}: model = "{checked.model}"')
     check_picture(picture)
     status, data = _solved(checked, scene)
-    if json:
-        from wheelrail.scenes.contacts.report import contact_report, json_text
+    from wheelrail.scenes.contacts.report import UNITS, contact_report
+    from wheelrail.scenes.contacts.table import table
+    from wheelrail.scenes.datasets.result_table import Results
 
-        report = {"status": status} if data is None else contact_report(data)
-        print(json_text({"scene": str(scene), **report}))
-    elif data is not None:
-        from wheelrail.scenes.contacts.table import table
-
-        print_results(table(data))
+    facts = {"scene": str(scene), **({"status": status} if data is None else contact_report(data))}
+    print_results(Results("contact", [] if data is None else [table(data)], facts, UNITS))
     if picture is not None and data is not None and data["z"].notnull().any() and first():
         _draw(data, picture)
     if status.startswith("failed"):

@@ -1,4 +1,4 @@
-"""Command `export`: fields for ParaView, and the contact as a C library or a functional mock-up unit."""
+"""Command `export`: fields for ParaView, runs as CSV, the contact as a C library or a functional mock-up unit."""
 
 from __future__ import annotations
 
@@ -9,11 +9,16 @@ import typer
 
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import check_ending, error_lines, load, rejected, results_folder
-from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
+from wheelrail.cli.output import print_files
+from wheelrail.support.terminal import progress_console, stdout_for_results
 
 Scene = Annotated[
     Path | None,
-    typer.Argument(metavar="SCENE", help="Scene file (TOML); with --c only for --runtime.", show_default=False),
+    typer.Argument(
+        metavar="SCENE",
+        help="Scene file (TOML), with --c only for --runtime; with --csv results of a run: run.nc or its folder.",
+        show_default=False,
+    ),
 ]
 
 
@@ -31,17 +36,21 @@ def export(
         Path | None,
         typer.Option("--c", metavar="DIR", help="Folder for a C library with header, Fortran module and examples."),
     ] = None,
+    csv: Annotated[
+        Path | None,
+        typer.Option("--csv", metavar="FILE", help="Results of a run as comma-separated values (.csv)."),
+    ] = None,
     fmi: Annotated[str, typer.Option("--fmi", metavar="VERSION", help="Version of the unit: 2.0 or 3.0.")] = "2.0",
     runtime: Annotated[
         bool,
         typer.Option("--runtime", help="Library or unit that can be moved: with this package and the compliances."),
     ] = False,
 ) -> None:
-    """Write the fields of all contacts of a scene for ParaView, or a contact element for multibody programs."""
-    if sum(target is not None for target in (out, fmu, c)) != 1:
-        raise rejected("export: exactly one of --out DIR, --fmu FILE and --c DIR is required")
-    if runtime and out is not None:
-        raise rejected("export: --runtime: not allowed with --out")
+    """Write fields of all contacts of a scene for ParaView, a run as CSV, or a contact element for other programs."""
+    if sum(target is not None for target in (out, fmu, c, csv)) != 1:
+        raise rejected("export: exactly one of --out DIR, --fmu FILE, --c DIR and --csv FILE is required")
+    if runtime and fmu is None and c is None:
+        raise rejected("export: --runtime: allowed only with --fmu and --c")
     if c is not None and scene is not None and not runtime:
         raise rejected(f"export: {scene}: not allowed with --c without --runtime; programs open scenes themselves")
     if scene is None and (c is None or runtime):
@@ -50,8 +59,21 @@ def export(
         _library(c, scene)
     elif scene is not None and fmu is not None:
         _unit(scene, fmu, fmi, runtime)
+    elif scene is not None and csv is not None:
+        _csv(scene, csv)
     elif scene is not None and out is not None:
         _fields(scene, out)
+
+
+def _csv(results: Path, file: Path) -> None:
+    check_ending("--csv", file, (".csv",))
+    from wheelrail.scenes.datasets.run_csv import write_csv
+    from wheelrail.scenes.datasets.run_schema import read_run
+    from wheelrail.scenes.runs.files import RESULTS
+
+    with error_lines("", f"{file}: "), progress_console().status("writing"):
+        write_csv(read_run(results / RESULTS if results.is_dir() else results), file)
+    print_files("export", file)
 
 
 def _library(folder: Path, scene: Path | None) -> None:
@@ -60,8 +82,9 @@ def _library(folder: Path, scene: Path | None) -> None:
     from wheelrail.export.library import export_library
 
     results_folder(folder, folder)
-    with error_lines(f"{scene}: " if scene is not None else "", f"{folder}: "):
-        print_results(str(export_library(folder, scene)))
+    with error_lines(f"{scene}: " if scene is not None else "", f"{folder}: "), stdout_for_results():
+        made = export_library(folder, scene)
+    print_files("export", made)
 
 
 def _unit(scene: Path, file: Path, fmi: str, runtime: bool) -> None:
@@ -71,9 +94,9 @@ def _unit(scene: Path, file: Path, fmi: str, runtime: bool) -> None:
         raise rejected(f"--fmi {fmi}: must be 2.0 or 3.0")
     from wheelrail.export.unit import export_unit
 
-    with error_lines(f"{scene}: ", f"{file}: "):
+    with error_lines(f"{scene}: ", f"{file}: "), stdout_for_results():
         export_unit(scene, file, "2.0" if fmi == "2.0" else "3.0", runtime=runtime)
-    print_results(str(file))
+    print_files("export", file)
 
 
 def _check_wheelset(scene: Path) -> None:
@@ -99,4 +122,4 @@ def _fields(scene: Path, out: Path) -> None:
             for side, solution in dict(solve_sides(checked, model=model)).items()
             for file in export_side(checked, side, solution, folder, model)
         ]
-    print_results(*map(str, files))
+    print_files("export", *files)

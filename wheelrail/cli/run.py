@@ -10,7 +10,8 @@ import typer
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import SceneFile, check_picture, error_lines, load_run, rejected, results_folder
 from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
-from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
+from wheelrail.cli.output import print_results
+from wheelrail.support.terminal import progress_console, stdout_for_results
 
 Speeds = Annotated[
     list[float] | None,
@@ -41,9 +42,10 @@ def track(
     """
     checked = load_run(scene)
     check_picture(picture)
+    from wheelrail.scenes.datasets.result_table import Results
     from wheelrail.scenes.runs.track_table import segment_table
 
-    print_results(segment_table(checked))
+    print_results(Results("track", [segment_table(checked)]))
     if picture is not None:
         from wheelrail.scenes.runs.track_plot import draw_track
 
@@ -68,6 +70,7 @@ def run(
     Of the plane wagon of the scene, or of a vehicle file.
     """
     checked = load_run(scene)
+    from wheelrail.scenes.datasets.result_table import Results
     from wheelrail.scenes.runs.resume import ended
     from wheelrail.scenes.runs.run import run_scene
     from wheelrail.scenes.schema.toml import read_text
@@ -75,12 +78,13 @@ def run(
     folder = results_folder(out, Path("results", scene.stem))
     with error_lines(f"{scene}: ", f"{folder}: "):
         if resume and ended(checked, folder, vehicle):
-            print(f"{folder}: the run is complete; nothing to resume")
+            line = f"{folder}: the run is complete; nothing to resume"
+            print_results(Results("run", [line], {"status": "completed", "files": []}))
             return
         with stdout_for_results():
             text = read_text(scene)
             outcome = run_scene(checked, text, folder, progress_console(), resume=resume, vehicle=vehicle)
-    print_results(*outcome.summary())
+    print_results(outcome.results)
     if outcome.status == "interrupted":
         raise typer.Exit(INTERRUPTED)
     if outcome.status != "completed":
@@ -106,7 +110,7 @@ def compare(
     folder = results_folder(out, Path("results", f"{scene.stem}_compare"))
     with error_lines("", f"{folder}: "), stdout_for_results():
         comparison = compare_scene(scene, read_text(scene), other, folder, progress_console())
-    print_results(*comparison.summary())
+    print_results(comparison.results)
 
 
 @app.command()
@@ -116,13 +120,14 @@ def modes(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None) -
     Of the plane wagon of the scene, or of a vehicle file.
     """
     checked = load_run(scene)
+    from wheelrail.scenes.datasets.result_table import Results
     from wheelrail.scenes.runs.steady import modes_of, modes_table
     from wheelrail.scenes.runs.vehicle_steady import vehicle_modes_of
 
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
         modes_by_speed = modes_of(checked, speeds) if vehicle is None else vehicle_modes_of(checked, vehicle, speeds)
-    print_results(*map(modes_table, modes_by_speed, speeds))
+    print_results(Results("modes", list(map(modes_table, modes_by_speed, speeds))))
 
 
 @app.command()
@@ -132,6 +137,7 @@ def curving(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None)
     Of the plane wagon of the scene, or of all wheelsets of a vehicle file.
     """
     checked = load_run(scene)
+    from wheelrail.scenes.datasets.result_table import Results
     from wheelrail.scenes.runs.steady import curve_of, curving_of, curving_table
     from wheelrail.scenes.runs.vehicle_steady import bodies_table, curve_equilibria_of, wheelsets_table
 
@@ -142,19 +148,21 @@ def curving(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None)
         else:
             curve, states = curve_of(checked), curve_equilibria_of(checked, vehicle, speeds)
             tables = [table for at in states for table in (wheelsets_table(at, curve), bodies_table(at))]
-    print_results(*tables)
+    print_results(Results("curving", tables))
 
 
 @app.command()
 def equilibrium(scene: SceneFile, vehicle: NeededVehicleFile, speed: Speeds = None) -> None:
     """Equilibrium of a vehicle in three dimensions on straight track: wheel loads, attitude of all bodies."""
     checked = load_run(scene)
+    from wheelrail.scenes.datasets.result_table import Results
     from wheelrail.scenes.runs.vehicle_steady import bodies_table, straight_equilibria_of, wheelsets_table
 
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
         states = straight_equilibria_of(checked, vehicle, speeds)
-    print_results(*(table for at in states for table in (wheelsets_table(at), bodies_table(at))))
+    tables = [table for at in states for table in (wheelsets_table(at), bodies_table(at))]
+    print_results(Results("equilibrium", tables))
 
 
 @app.command()
@@ -176,11 +184,11 @@ def critical(
     checked = load_run(scene)
     if not lowest < highest:
         raise rejected(f"--from {lowest:g}: must be less than --to {highest:g}")
-    from wheelrail.scenes.runs.vehicle_steady import critical_speed_lines, critical_speeds_of
+    from wheelrail.scenes.runs.vehicle_steady import critical_speed_results, critical_speeds_of
 
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("modes over speed"):
         found = critical_speeds_of(checked, vehicle, (lowest, highest), places)
-    print_results(*critical_speed_lines(found, (lowest, highest)))
+    print_results(critical_speed_results(found, (lowest, highest)))
 
 
 @app.command()
@@ -215,7 +223,7 @@ def hunting(
     checked = load_run(scene)
     check_picture(picture)
     from wheelrail.scenes.builders.vehicle_file import load_vehicle
-    from wheelrail.scenes.runs.hunting import draw_bifurcation, fold_line, hunting_of, hunting_table
+    from wheelrail.scenes.runs.hunting import draw_bifurcation, hunting_of, hunting_results
     from wheelrail.vehicle.simulation.limit_cycle import CycleSearch
 
     speeds, cycles = speed or [checked.vehicle.first_speed], []
@@ -231,7 +239,7 @@ def hunting(
     if picture is not None:
         with error_lines("", f"{picture}: "):
             draw_bifurcation(cycles, names, picture)
-    print_results(hunting_table(cycles, names), *([] if fold is None else [fold_line(cycles)]))
+    print_results(hunting_results(cycles, names, fold is not None))
 
 
 @app.command()
@@ -245,8 +253,8 @@ def evaluate(
     ] = 1.0,
 ) -> None:
     """Running safety of a run of a vehicle in three dimensions after EN 14363: sum of Y, Y/Q, Q, instability."""
-    from wheelrail.scenes.runs.safety_table import safety_of, safety_table
+    from wheelrail.scenes.runs.safety_table import safety_of, safety_results
 
     with error_lines(""), stdout_for_results():
         safety = safety_of(results, start, end, alpha)
-    print_results(safety_table(*safety))
+    print_results(safety_results(safety))

@@ -10,7 +10,8 @@ import typer
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import error_lines, results_folder
 from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
-from wheelrail.support.terminal import print_results, progress_console, stdout_for_results
+from wheelrail.cli.output import print_results
+from wheelrail.support.terminal import progress_console, stdout_for_results
 
 
 @app.command()
@@ -36,7 +37,7 @@ def study(
         planned = plan(load_study(study), study)
     with error_lines("", f"{folder}: "), stdout_for_results():
         outcome = run_plan(planned, folder, progress_console(), scheduler=scheduler, fresh=fresh)
-    print_results(*outcome.summary())
+    print_results(outcome.results)
     if outcome.interrupted:
         raise typer.Exit(INTERRUPTED)
     if outcome.failed:

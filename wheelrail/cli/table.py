@@ -11,7 +11,8 @@ import typer
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import check_ending, check_picture, error_lines, load, reject_mpi, rejected
 from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
-from wheelrail.support.terminal import print_results, stdout_for_results
+from wheelrail.cli.output import print_results
+from wheelrail.support.terminal import stdout_for_results
 
 Range = tuple[float, float]
 
@@ -45,8 +46,7 @@ def table(
 ) -> None:
     """Tabulate contact forces for model = "table"; the same command continues after an interruption."""
     from wheelrail.contact.tables.table_range import TableRange
-    from wheelrail.scenes.tables.make import TableOrder, make_table
-    from wheelrail.scenes.tables.make import error_lines as lines
+    from wheelrail.scenes.tables.make import TableOrder, make_table, table_results
 
     checked = load(scene)
     if checked.kind == "hertz":
@@ -66,7 +66,7 @@ def table(
     except KeyboardInterrupt:
         print("interrupted; solves are stored, the same command continues", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-    print_results(*lines(data), f"  {out}, {data.attrs['seconds']:.0f} s")
+    print_results(table_results(data, out))
     if picture is not None:
         from wheelrail.scenes.plots.force_table import draw_table
 

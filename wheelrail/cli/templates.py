@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import itemgetter
 from pathlib import Path
 from typing import Annotated
 
@@ -9,6 +10,7 @@ import typer
 
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import error_lines
+from wheelrail.cli.output import print_results
 
 
 @app.command()
@@ -19,11 +21,13 @@ def wagon(
     ] = None,
 ) -> None:
     """Print a wagon with all its values as a TOML template."""
+    from wheelrail.scenes.datasets.result_table import Results
     from wheelrail.scenes.schema.wagon_file import load_wagon, wagon_toml
     from wheelrail.vehicle.wagon.wagon import Wagon
 
     with error_lines(""):
-        print(wagon_toml(Wagon() if file is None else load_wagon(file)), end="")
+        text = wagon_toml(Wagon() if file is None else load_wagon(file))
+    print_results(Results("wagon", [text.rstrip("\n")], {"toml": text}))
 
 
 @app.command()
@@ -34,13 +38,15 @@ def example(
     ] = None,
 ) -> None:
     """Print an example scene as a template, or list the examples."""
+    from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
     from wheelrail.scenes.example_scenes import example as text_of
     from wheelrail.scenes.example_scenes import examples
 
     with error_lines(""):
         if name is not None:
-            print(text_of(name), end="")
+            text = text_of(name)
+            print_results(Results("example", [text.rstrip("\n")], {"toml": text}))
             return
-    width = max(map(len, examples()))
-    for example_name, heading in examples().items():
-        print(f"{example_name:{width}}  {heading}")
+    columns = [Column("name", "name", itemgetter(0)), Column("contents", "contents", itemgetter(1))]
+    table = ResultTable("examples", "", columns, list(examples().items()))
+    print_results(Results("example", [table]))

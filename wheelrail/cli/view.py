@@ -9,6 +9,7 @@ import typer
 
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import SceneFile, check_ending, error_lines, load, rejected
+from wheelrail.cli.output import print_files
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
 
@@ -38,6 +39,7 @@ def view(
             checked, title=scene.stem, body=body, side=side, scale=scale, report_progress=status.update
         )
         save_view(plotter, out)
+    print_files("view", out)
 
 
 @app.command()
@@ -72,6 +74,7 @@ def animate(
             status.update(f"frame {done} of {count}")
 
         animate_file(results, out, report_progress, frames=frames, fps=fps, scale=scale)
+    print_files("animate", out)
 
 
 @app.command()
@@ -95,4 +98,4 @@ def report(
     place = folder / "report.html" if out is None else out
     with error_lines("", f"{place}: "), stdout_for_results(), progress_console().status("reading and drawing"):
         write_report(folder, place, view=not no_view)
-    print(place)
+    print_files("report", place)

@@ -14,7 +14,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+    from rich.console import Console
 
 
 LOGGER = "wheelrail"  # root of all loggers of this package
@@ -29,30 +29,6 @@ def progress_console() -> Console:
     from rich.console import Console
 
     return Console(stderr=True, markup=False)
-
-
-def result_console() -> Console:
-    """The console for results: standard output, of any width when it is no terminal."""
-    from rich.console import Console
-
-    return Console(width=None if sys.stdout.isatty() else 1000, soft_wrap=True, markup=False)
-
-
-def print_results(*parts: RenderableType) -> None:
-    """Print texts and tables to standard output; tables without lines when it is no terminal."""
-    from rich.table import Table
-
-    console = result_console()
-    for part in parts:
-        if console.is_terminal or not isinstance(part, Table):
-            console.print(part, highlight=False, markup=False)
-            continue
-        title, caption = part.title, part.caption
-        part.title = part.caption = part.box = None
-        part.pad_edge = False
-        for piece in (title, part, caption):
-            if piece is not None:
-                console.print(piece, highlight=False, markup=False)
 
 
 def set_verbosity(*, quiet: bool = False, verbose: bool = False) -> None:

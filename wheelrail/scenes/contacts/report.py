@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.contacts.side_values import SideValues
+from wheelrail.scenes.datasets.contact import ERRORS
+from wheelrail.scenes.datasets.patches import BANDS, PATCH_VARIABLES
 from wheelrail.scenes.datasets.run_schema import AXES, TURNS
 
 if TYPE_CHECKING:
@@ -38,6 +39,31 @@ PATCH: dict[str, str | tuple[str, ...]] = {
     "creepage": ("patch_longitudinal_creepage", "patch_lateral_creepage", "patch_spin"),
     "frictional_power": "patch_frictional_power",
     "strips": "patch_strips",
+}
+
+
+def _unit(names: str | tuple[str, ...]) -> str | list[str]:
+    """Unit of a key of a patch, or units of its components where they differ."""
+    if isinstance(names, tuple):
+        units = [PATCH_VARIABLES[name][2] for name in names]
+        return units if len(set(units)) > 1 else units[0]
+    return "m" if names in BANDS else "N" if names == "patch_force" else PATCH_VARIABLES[names][2]
+
+
+# Unit of a number by the innermost key that is here; constants of the user's laws have those of the law.
+UNITS: dict[str, str | list[str]] = {
+    **{name: unit for name, (unit, _) in ERRORS.items()},
+    **{key: _unit(names) for key, names in PATCH.items()},
+    **dict.fromkeys(
+        ("friction", "share", "newton", "linear", "points", "residual", "contact_solves", "wavenumbers"), "1"
+    ),
+    **dict.fromkeys(("surface_size", "approach", "z", "depth", "position"), "m"),
+    **dict.fromkeys(("stress", "von_mises"), "Pa"),
+    "roll": "rad",
+    "rate": "s/m",
+    "regularisation": "m/s",
+    "stiffness_per_area": "N/m3",
+    "seconds": "s",
 }
 
 
@@ -140,18 +166,3 @@ def _stress(own: SideValues, body: str) -> dict[str, Any]:
         "wavenumbers": own["stress_wavenumbers"][row],
         "seconds": own["stress_seconds"][row],
     }
-
-
-def json_text(report: Mapping[str, Any]) -> str:
-    """The report as one line of JSON; NaN and infinity become null."""
-    return json.dumps(_plain(report), allow_nan=False)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -11,9 +11,9 @@ from wheelrail.scenes.contacts.report import FORCE, MOMENT
 from wheelrail.scenes.contacts.shapes import WIDEST
 from wheelrail.scenes.contacts.side_values import SideValues
 from wheelrail.scenes.datasets.number_text import fixed, significant
+from wheelrail.scenes.datasets.result_table import TextTable
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
     from xarray import Dataset
 
 
@@ -67,33 +67,25 @@ FRICTION_ROWS: tuple[tuple[str, tuple[str, ...], float, int], ...] = (
 )
 
 
-def table(data: Dataset) -> RenderableType:
+def table(data: Dataset) -> TextTable:
     """Table with one column per side: resultants and statistics, error estimates, patches, largest stresses.
 
     Parameters:
         data: Dataset of `wheelrail.scenes.contacts.solution`.
     """
-    from rich.table import Table
-    from rich.text import Text
-
     names = data["side"].values.tolist()
     sides = [SideValues(data, name) for name in ("left", "right", "contact") if name in names]
-    view = Table(title=f"{_heading(data)}: {data.attrs['status']}", title_justify="left")
-    view.add_column("")
-    for own in sides:
-        view.add_column(own.side, justify="right")
-    for label, text in ROWS:
-        view.add_row(Text(label), *(text(own) if own.ok else "-" for own in sides))
+    rows: list[tuple[str, ...]] = [(label, *(text(own) if own.ok else "-" for own in sides)) for label, text in ROWS]
     if any(own.error_estimate for own in sides):
-        view.add_section()
+        rows.append(())
         for label, name, scale in ERROR_ROWS:
             estimates = (_error(scale * own.error_estimate[name]) if own.error_estimate else "-" for own in sides)
-            view.add_row(Text(f"error estimate: {label}"), *estimates)
+            rows.append((f"error estimate: {label}", *estimates))
     for patch in range(max((own.patches for own in sides), default=0)):
-        view.add_section()
-        for label, cells in _patch_rows(data, sides, patch):
-            view.add_row(Text(f"patch {patch + 1}: {label}"), *cells)
-    return view
+        rows.append(())
+        rows += [(f"patch {patch + 1}: {label}", *cells) for label, cells in _patch_rows(data, sides, patch)]
+    title = f"{_heading(data)}: {data.attrs['status']}"
+    return TextTable(title, ["", *(own.side for own in sides)], rows, frozenset(range(1, len(sides) + 1)))
 
 
 def _heading(data: Dataset) -> str:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from operator import attrgetter
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
 from wheelrail.scenes.datasets.number_text import significant
+from wheelrail.scenes.datasets.result_table import Column, ResultTable
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
-    from rich.table import Table
     from xarray import Dataset
 
 
@@ -112,26 +113,22 @@ def noise(data: Dataset) -> dict[str, tuple[float, float]]:
     return values
 
 
-def table(run_differences: list[RunDifference], names: tuple[str, str]) -> Table:
-    """Table with one row per channel; names: of both runs."""
-    from rich.table import Table
+def table(run_differences: list[RunDifference], names: tuple[str, str]) -> ResultTable:
+    """Table with one row per channel, in its own unit; names: of both runs."""
+    title = f"{names[1]} minus {names[0]}; % of the range of {names[0]}"
+    return ResultTable("channels", title, _COLUMNS, run_differences)
 
-    view = Table(title=f"{names[1]} minus {names[0]}; % of the range of {names[0]}", title_justify="left")
-    for head in ("channel", "unit", "RMS", "maximum", "at m", "range", "RMS %"):
-        text = head in ("channel", "unit")
-        view.add_column(head, justify="left" if text else "right", no_wrap=True)
-    for d in run_differences:
-        percent = f"{100 * d.rms / d.span:.2f}" if d.span > 0 else "-"
-        view.add_row(
-            d.channel,
-            d.unit,
-            significant(d.rms, 4),
-            significant(d.worst, 4),
-            f"{d.at:.1f}",
-            significant(d.span, 4),
-            percent,
-        )
-    return view
+
+_COLUMNS = (
+    Column("channel", "channel", lambda d: d.channel),
+    Column("unit", "unit", lambda d: d.unit),
+    *(Column(name, "", attrgetter(name), "unit of the row") for name in ("rms", "worst", "span")),
+    Column("", "RMS", lambda d: significant(d.rms, 4)),
+    Column("", "maximum", lambda d: significant(d.worst, 4)),
+    Column("at", "at", lambda d: d.at, "m", 1),
+    Column("", "range", lambda d: significant(d.span, 4)),
+    Column("", "RMS [%]", lambda d: f"{100 * d.rms / d.span:.2f}" if d.span > 0 else "-"),
+)
 
 
 def _mean(time: Array, values: Array) -> float:
@@ -139,8 +136,3 @@ def _mean(time: Array, values: Array) -> float:
     if len(time) < 2:
         return float(values.mean())
     return float(trapezoid(values, time) / (time[-1] - time[0]))
-
-
-def rows(run_differences: list[RunDifference]) -> list[dict[str, Any]]:
-    """Differences as dictionaries, for a file."""
-    return [dict(d.__dict__) for d in run_differences]

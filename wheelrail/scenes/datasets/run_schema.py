@@ -108,6 +108,12 @@ WAGON_MOTION = motion(
     {n: n.replace("_", " ") + ", above the nominal height" * n.endswith("z") for n in WAGON_COORDINATES}, TIME
 )
 BODY_MOTION = motion({f"body_{name}": COORDINATE_TEXTS[name] for name in BODY_COORDINATES}, BY_BODY)
+# Names and units of the components of motions.
+COMPONENTS: dict[str, tuple[tuple[str, str], ...]] = {
+    "hub_component": (("x", "m"), ("y", "m"), ("z", "m"), ("roll", "rad"), ("pitch", "rad"), ("yaw", "rad")),
+    "rail_component": (("y", "m"), ("z", "m"), ("roll", "rad")),
+    "sleeper_component": (("y", "m"), ("z", "m")),
+}
 WAGON: Schema = {
     **COMMON,
     **WAGON_MOTION,

@@ -50,7 +50,7 @@ def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folde
     sections = [
         PageSection(
             "Differences",
-            [PageTable.of_rich(difference_table, caption)],
+            [PageTable.of(difference_table, caption)],
             METHOD,
         ),
         PageSection("Key figures", key_tables(dict(zip(names, runs, strict=True)))),

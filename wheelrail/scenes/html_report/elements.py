@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from rich.table import Table as RichTable
-
+from wheelrail.scenes.datasets.result_table import ResultTable, TextTable
 
 LONG = 30  # rows of a table
 
@@ -39,13 +37,10 @@ class PageTable:
         return len(self.rows) > LONG
 
     @classmethod
-    def of_rich(cls, table: RichTable, caption: str = "") -> PageTable:
+    def of(cls, table: ResultTable | TextTable, caption: str = "") -> PageTable:
         """From a table of the command line."""
-        columns = [[str(cell) for cell in column.cells] for column in table.columns]
-        right = frozenset(k for k, column in enumerate(table.columns) if column.justify == "right")
-        head = [str(column.header) for column in table.columns]
-        title = caption or str(table.title or "")
-        return cls(title, head, list(zip(*columns, strict=True)), right, str(table.caption or ""))
+        text = table.as_text if isinstance(table, ResultTable) else table
+        return cls(caption or text.title, text.head, [row for row in text.rows if row], text.right, text.note)
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from wheelrail.scenes.html_report.elements import Page, PageNote, PageSection, P
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
 from wheelrail.scenes.html_report.views import case
-from wheelrail.scenes.studies.convergence import errors_of, series_of
+from wheelrail.scenes.studies.convergence import errors_of
 from wheelrail.scenes.studies.plan import SAMPLE, shown
-from wheelrail.scenes.studies.tables import case_table, error_table, flat, order_table, parameters
+from wheelrail.scenes.studies.tables import case_table, convergence_tables, flat, parameters
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -37,12 +37,11 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
     sections = [
         PageSection("Parameters", [parameter_table(data)]),
         PageSection("Failed cases", [failures(data, file.name)]),
-        PageSection("Cases", [PageTable.of_rich(case_table(data, ROWS, f"in {file.name}"))]),
+        PageSection("Cases", [PageTable.of(case_table(data, ROWS, f"in {file.name}"))]),
         PageSection("Figures", pictures(_pictures(data), "No figures: no plotted quantity varies between cases.")),
     ]
     if errors_of(data):
-        views = [error_table(data), *([order_table(data)] if len(series_of(data)) > 1 else [])]
-        sections.insert(2, PageSection("Convergence", list(map(PageTable.of_rich, views))))
+        sections.insert(2, PageSection("Convergence", list(map(PageTable.of, convergence_tables(data)))))
     if view:
         sections.append(PageSection("Interactive 3D view", [case(data, file)]))
     if not counts.get("failed"):

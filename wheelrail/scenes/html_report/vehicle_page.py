@@ -61,7 +61,7 @@ def _safety(data: Dataset, file: Path) -> PageTable | PageNote:
     from wheelrail.scenes.runs.safety_table import safety_of_data, safety_table
 
     try:
-        return PageTable.of_rich(safety_table(*safety_of_data(data, file)))
+        return PageTable.of(safety_table(*safety_of_data(data, file)))
     except SceneError as error:
         return PageNote(f"Not assessed: {error}.")
 

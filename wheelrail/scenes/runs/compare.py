@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wheelrail.scenes.datasets.result_table import Results, json_text
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.resume import ended
 from wheelrail.scenes.runs.run import run_scene
@@ -15,7 +16,7 @@ from wheelrail.scenes.schema.scene import ELEMENTS, RunScene, parse_scene
 from wheelrail.support.atomic_file import atomic_file
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+    from rich.console import Console
     from xarray import Dataset
 
     from wheelrail.scenes.datasets.run_differences import RunDifference
@@ -31,15 +32,19 @@ class Comparison:
         names: of both models.
         differences: second model minus first, by quantity.
         energy: relative error of the energy balance of both runs; None if unknown.
+        scatter: RMS noise of forces by model and force, N, over the run and in the full curve.
         files: written files.
     """
 
     names: tuple[str, str]
     differences: list[RunDifference]
     energy: tuple[float | None, float | None]
+    scatter: Mapping[str, Mapping[str, tuple[float, float]]]
     files: tuple[Path, ...]
 
-    def summary(self) -> list[RenderableType]:
+    @property
+    def results(self) -> Results:
+        """Table of differences, errors of the energy balances, noise, files."""
         from wheelrail.scenes.datasets.run_differences import table
 
         balances = [
@@ -47,7 +52,16 @@ class Comparison:
             for name, error in zip(self.names, self.energy, strict=True)
             if error is not None
         ]
-        return [table(self.differences, self.names), "\n".join([*balances, *(f"  {file}" for file in self.files)])]
+        lines = "\n".join([*balances, *(f"  {file}" for file in self.files)])
+        facts = {
+            "first": self.names[0],
+            "second": self.names[1],
+            "energy_balance_error": self.energy,
+            "scatter": self.scatter,
+            "files": self.files,
+        }
+        units = {"energy_balance_error": "1", "scatter": "N"}
+        return Results("compare", [table(self.differences, self.names), lines], facts, units)
 
 
 def compare_scene(file: Path, text: str, other_model: str, folder: Path, console: Console) -> Comparison:
@@ -73,7 +87,7 @@ def compare_scene(file: Path, text: str, other_model: str, folder: Path, console
         _run(second, other_text, folder / second.model, console),
     )
     names = (first.model, second.model)
-    from wheelrail.scenes.datasets.run_differences import differences, noise, rows
+    from wheelrail.scenes.datasets.run_differences import differences, noise
     from wheelrail.scenes.plots.comparison import draw_comparison
 
     run_differences = differences(*runs)
@@ -81,16 +95,12 @@ def compare_scene(file: Path, text: str, other_model: str, folder: Path, console
     with console.status("figures of both runs"):
         files = list(draw_comparison(runs, names, folder))
     table = folder / TABLE
-    report = {
-        "first": names[0],
-        "second": names[1],
-        "energy_balance_error": energy,
-        "scatter": {name: noise(data) for name, data in zip(names, runs, strict=True)},
-        "channels": rows(run_differences),
-    }
+    scatter = {str(name): noise(data) for name, data in zip(names, runs, strict=True)}
+    comparison = Comparison(names, run_differences, energy, scatter, (*files, table))
+    report = {key: value for key, value in comparison.results.report.items() if key != "files"}
     with atomic_file(table) as part:
-        part.write_text(json.dumps(report, indent=1) + "\n")
-    return Comparison(names, run_differences, energy, (*files, table))
+        part.write_text(json_text(report, indent=1) + "\n")
+    return comparison
 
 
 def with_model(text: str, model: str) -> str:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from wheelrail.scenes.datasets.number_text import fixed
+from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
 from wheelrail.scenes.plots.style import SERIES, literal, save, styled
 from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.runs.vehicle_run import vehicle_for_run
@@ -18,7 +18,6 @@ from wheelrail.scenes.schema.scene import RunScene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from rich.table import Table
 
     from wheelrail.vehicle.simulation.limit_cycle import CycleSearch, LimitCycle
 
@@ -63,34 +62,37 @@ def fold_line(cycles: Sequence[LimitCycle]) -> str:
     return f"nonlinear critical speed, of the branch of this kick: {text}"
 
 
-def hunting_table(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Table:
+def hunting_table(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> ResultTable:
     """Table with one row per speed."""
-    from rich.table import Table
-
+    columns = [
+        Column("speed", "speed", lambda c: c.speed, "m/s"),
+        Column("status", "status", lambda c: c.status),
+        *(Column("", f"{name} y [mm]", partial(_amplitude, wheelset=k)) for k, name in enumerate(wheelsets)),
+        Column("amplitude", "", lambda c: dict(zip(wheelsets, c.amplitude.tolist(), strict=True)), "m"),
+        Column("growth", "growth of small motions", lambda c: c.growth, "1/s", 3),
+        Column("frequency", "frequency", lambda c: c.frequency, "Hz", 3),
+        Column("track_shifting_force", "sum of Y", lambda c: float(c.track_shifting.max()), "kN", 2),
+        Column("frictional_power", "frictional power", lambda c: c.frictional_power, "kW", 3),
+        Column("duration", "duration", lambda c: c.duration, "s", 1),
+    ]
     title = "Motion on straight track after a kick, each speed from the motion at the one before"
-    table = Table(title=title, title_justify="left")
-    for name in ("speed [m/s]", "status", *(f"{name} y [mm]" for name in wheelsets)):
-        table.add_column(name, justify="left" if name == "status" else "right")
-    for name in (
-        "growth of small motions [1/s]",
-        "frequency [Hz]",
-        "sum of Y [kN]",
-        "frictional power [kW]",
-        "duration [s]",
-    ):
-        table.add_column(name, justify="right")
-    for cycle in sorted(cycles, key=lambda c: -c.speed):
-        table.add_row(
-            f"{cycle.speed:g}",
-            cycle.status,
-            *(fixed(1e3 * value, 3) for value in cycle.amplitude),
-            fixed(cycle.growth, 3),
-            fixed(cycle.frequency, 3) if np.isfinite(cycle.frequency) else "-",
-            fixed(1e-3 * float(cycle.track_shifting.max()), 2),
-            fixed(1e-3 * cycle.frictional_power, 3),
-            fixed(cycle.duration, 1),
-        )
-    return table
+    return ResultTable("cycles", title, columns, sorted(cycles, key=lambda c: -c.speed))
+
+
+def _amplitude(cycle: LimitCycle, wheelset: int) -> str:
+    return fixed(1e3 * cycle.amplitude[wheelset], 3)
+
+
+def hunting_results(cycles: Sequence[LimitCycle], wheelsets: Sequence[str], fold: bool) -> Results:
+    """Table of cycles; fold: whether the nonlinear critical speed was looked for."""
+    from wheelrail.vehicle.simulation.limit_cycle import fold_bracket
+
+    bracket = fold_bracket(cycles)
+    facts = {"nonlinear_critical_speed": None if bracket is None else sorted(cycle.speed for cycle in bracket)}
+    parts: list[ResultTable | str] = [hunting_table(cycles, wheelsets)]
+    if fold:
+        parts.append(fold_line(cycles))
+    return Results("hunting", parts, facts, {"nonlinear_critical_speed": "m/s"})
 
 
 def draw_bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str], file: Path) -> None:

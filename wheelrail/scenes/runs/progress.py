@@ -6,9 +6,12 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+from wheelrail.scenes.datasets.result_table import Column, ResultTable
 
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from wheelrail.vehicle.simulation.contact_cost import ContactCost
     from wheelrail.vehicle.simulation.history import History
     from wheelrail.vehicle.simulation.time_run import Progress
 
@@ -87,29 +90,28 @@ def case_bar(console: Console, cases: int) -> Iterator[Callable[[bool], None]]:
         yield done
 
 
-def costs(history: History) -> RenderableType:
+def costs(history: History) -> ResultTable:
     """Solver statistics by side, as in Tables 5 to 7 of the paper."""
-    from rich.table import Table
-
     steps = history.cost.steps
-    view = Table(title="Statistics of the solver", title_justify="left")
-    for name in ("", "contact problems", "failed", "Newton", "Newton per problem", "linear per Newton", "seconds"):
-        view.add_column(name, justify="right")
-    for side, cost in history.cost.contact.items():
-        view.add_row(
-            side,
-            str(cost.solves),
-            str(cost.failed),
-            str(cost.newton),
-            f"{cost.newton / max(cost.solves, 1):.2f}",
-            f"{cost.linear / max(cost.newton, 1):.2f}" if cost.linear else "direct",
-            f"{cost.seconds:.1f}",
-        )
-    view.add_section()
     done = f"{steps.accepted} steps, {steps.rejected} rejected, {steps.failed} failed"
     done += f", {steps.evaluations} evaluations"
     if steps.jacobians:
         done += f", {steps.jacobians} Jacobians, {steps.factorisations} factorisations"
-    view.caption = f"{done}, {history.cost.seconds:.1f} s in total"
-    view.caption_justify = "left"
-    return view
+    note = f"{done}, {history.cost.seconds:.1f} s in total"
+    return ResultTable("contacts", "Statistics of the solver", _COSTS, list(history.cost.contact.items()), note=note)
+
+
+_COSTS = (
+    Column("side", "side", lambda row: row[0]),
+    Column("solves", "contact problems", lambda row: row[1].solves, "1"),
+    Column("failed", "failed", lambda row: row[1].failed, "1"),
+    Column("newton", "Newton", lambda row: row[1].newton, "1"),
+    Column("linear", "", lambda row: row[1].linear, "1"),
+    Column("", "Newton per problem", lambda row: f"{row[1].newton / max(row[1].solves, 1):.2f}"),
+    Column("", "linear per Newton", lambda row: _linear(row[1])),
+    Column("seconds", "seconds", lambda row: row[1].seconds, "s", 1),
+)
+
+
+def _linear(cost: ContactCost) -> str:
+    return f"{cost.linear / max(cost.newton, 1):.2f}" if cost.linear else "direct"

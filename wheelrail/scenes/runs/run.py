@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.datasets.input_files import FILES, packed
+from wheelrail.scenes.datasets.result_table import Results
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
 from wheelrail.scenes.schema.errors import SceneError
@@ -21,7 +22,7 @@ from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.scenes.schema.toml import parse
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+    from rich.console import Console
     from xarray import Dataset
 
     from wheelrail.contact.results.vehicle_contact import VehicleContact
@@ -56,13 +57,25 @@ class RunOutcome:
         halted = len(self.history) and self.history.dynamics.runs_free and self.history.speeds[-1] < SLOWEST
         return ", where the vehicle has come to a halt" if halted else ""
 
-    def summary(self) -> list[RenderableType]:
+    @property
+    def results(self) -> Results:
         """Solver statistics by side, status and files."""
         reached = f" at {self.history.distance[-1]:.1f} m" if len(self.history) else " before the first step"
         lines = [f"{self.status}{reached}{self._halt}", *(f"  {file}" for file in self.files)]
         if self.resumable:
             lines.append("  --resume continues the run from its last checkpoint")
-        return [costs(self.history), "\n".join(lines)]
+        steps = self.history.cost.steps
+        facts = {
+            "status": self.status,
+            "distance": self.history.distance[-1] if len(self.history) else None,
+            "time": self.history.time[-1] if len(self.history) else None,
+            "files": self.files,
+            "resumable": self.resumable,
+            "steps": {name: getattr(steps, name) for name in ("accepted", "rejected", "failed", "evaluations")},
+            "seconds": self.history.cost.seconds,
+        }
+        units = {"distance": "m", "time": "s", "steps": "1", "seconds": "s"}
+        return Results("run", [costs(self.history), "\n".join(lines)], facts, units)
 
 
 def run_scene(

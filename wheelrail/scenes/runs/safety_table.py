@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from wheelrail.scenes.datasets.number_text import fixed
+from wheelrail.scenes.datasets.result_table import Results, TextTable
 from wheelrail.scenes.datasets.run_schema import is_of_vehicle, read_run
 from wheelrail.scenes.runs.files import RESULTS
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.evaluation.running_safety import WINDOW, Assessed, WheelsetSafety, wheelset_safety
 
 if TYPE_CHECKING:
-    from rich.table import Table
     from xarray import Dataset
 
 
@@ -77,33 +77,46 @@ def safety_of_data(data: Dataset, file: Path, start: float = 0.0, end: float = i
     return Safety(wheelsets, remarks)
 
 
-def safety_table(wheelsets: dict[str, WheelsetSafety], remarks: Sequence[str] = ()) -> Table:
+def safety_results(safety: Safety) -> Results:
+    """Table for readers; value, place, limit and result of every quantity of every wheelset for programs."""
+    rows = [
+        {"wheelset": name, **{key: _facts(quantity(own)) for key, _, _, _, quantity in ROWS}}
+        for name, own in safety.wheelsets.items()
+    ]
+    units = {"place": "m", **{key: "1" if scale == 1.0 else "N" for key, _, scale, _, _ in ROWS}}
+    return Results("evaluate", [safety_table(*safety)], {"remarks": safety.remarks, "wheelsets": rows}, units)
+
+
+def _facts(one: Assessed) -> dict[str, Any]:
+    return {"value": one.value, "place": one.place, "limit": one.limit, "passed": one.passed}
+
+
+def safety_table(wheelsets: dict[str, WheelsetSafety], remarks: Sequence[str] = ()) -> TextTable:
     """Table with the value and its place for every wheelset, the limit, and whether all wheelsets keep it; remarks
     follow its title.
     """
-    from rich.table import Table
-
     title = "Running safety and track loading after EN 14363: value, and place along the track (m)"
-    table = Table(title=". ".join([title, *remarks]))
-    table.title_justify = "left"
-    for name in ("", *wheelsets, "limit", "result"):
-        table.add_column(name, justify="right" if name else "left")
-    for label, scale, digits, quantity in ROWS:
+    rows = []
+    for _, label, scale, digits, quantity in ROWS:
         values = [quantity(wheelset) for wheelset in wheelsets.values()]
         texts = (
-            "-" if one.passed is None else f"{fixed(scale * one.value, digits)} at {one.place:.0f}" for one in values
+            f"{fixed(scale * one.value, digits)} at {one.place:.0f}" if np.isfinite(one.value) else "-"
+            for one in values
         )
         known = [one.passed for one in values if one.passed is not None]
         result = ("pass" if all(known) else "FAIL") if known else "-"
-        table.add_row(label, *texts, f"{scale * values[0].limit:.4g}", result)
-    return table
+        limit = values[0].limit
+        rows.append([label, *texts, "no limit" if limit is None else f"{scale * limit:.4g}", result])
+    head = ["", *wheelsets, "limit", "result"]
+    return TextTable(". ".join([title, *remarks]), head, rows, frozenset(range(1, len(head))))
 
 
-ROWS: tuple[tuple[str, float, int, Callable[[WheelsetSafety], Assessed]], ...] = (
-    ("sum of Y, 2 m mean, to the right (kN)", 1e-3, 2, lambda w: w.track_shifting),
-    ("Y/Q, 2 m mean, left", 1.0, 3, lambda w: w.quotient[0]),
-    ("Y/Q, 2 m mean, right", 1.0, 3, lambda w: w.quotient[1]),
-    ("Q, left (kN)", 1e-3, 1, lambda w: w.load[0]),
-    ("Q, right (kN)", 1e-3, 1, lambda w: w.load[1]),
-    ("rms of the sum of Y over 100 m (kN)", 1e-3, 2, lambda w: w.instability),
+# Key, label, scale, digits, quantity.
+ROWS: tuple[tuple[str, str, float, int, Callable[[WheelsetSafety], Assessed]], ...] = (
+    ("track_shifting", "sum of Y, 2 m mean, to the right [kN]", 1e-3, 2, lambda w: w.track_shifting),
+    ("quotient_left", "Y/Q, 2 m mean, left", 1.0, 3, lambda w: w.quotient[0]),
+    ("quotient_right", "Y/Q, 2 m mean, right", 1.0, 3, lambda w: w.quotient[1]),
+    ("load_left", "Q, left [kN]", 1e-3, 1, lambda w: w.load[0]),
+    ("load_right", "Q, right [kN]", 1e-3, 1, lambda w: w.load[1]),
+    ("instability", "rms of the sum of Y over 100 m [kN]", 1e-3, 2, lambda w: w.instability),
 )

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import track, wagon
 from wheelrail.scenes.builders.wheelset import run_contact
-from wheelrail.scenes.datasets.number_text import fixed, significant
+from wheelrail.scenes.datasets.number_text import significant
+from wheelrail.scenes.datasets.result_table import Column, ResultTable
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.interrupts import deferred_interrupts
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
-    from wheelrail.contact.kinematics.frames import Side
     from wheelrail.contact.results.result import Patch
     from wheelrail.vehicle.steady.curving import SteadyCurving
     from wheelrail.vehicle.steady.modes import Mode
@@ -75,55 +73,55 @@ def failures_as_run_failed() -> Iterator[None]:
         raise RunFailed(str(error)) from error
 
 
-def modes_table(modes: Sequence[Mode], speed: float) -> Table:
+def modes_table(modes: Sequence[Mode], speed: float) -> ResultTable:
     """Table with one row per mode; speed in m/s for its title."""
-    from rich.table import Table
-
-    view = Table(title=f"Linear modes on straight track at {speed:g} m/s", title_justify="left")
-    for name in ("frequency [Hz]", "damping ratio", "eigenvalue [1/s]"):
-        view.add_column(name, justify="right")
-    view.add_column("kinetic energy in")
-    for m in modes:
-        value = significant(m.eigenvalue.real, 4) + (f" ± {significant(m.eigenvalue.imag, 4)}i" if m.oscillates else "")
-        view.add_row(significant(m.frequency, 4), f"{m.damping:.4f}", value, m.main_coordinates)
-    return view
+    title = f"Linear modes on straight track at {speed:g} m/s"
+    return ResultTable("modes", title, [Column("speed", "", lambda m: speed, "m/s"), *_MODE], modes)
 
 
-def curving_table(states: Sequence[SteadyCurving]) -> Table:
+def _eigenvalue(mode: Mode) -> str:
+    value = mode.eigenvalue
+    return significant(value.real, 4) + (f" ± {significant(value.imag, 4)}i" if mode.oscillates else "")
+
+
+_MODE = (
+    Column("frequency", "frequency", lambda m: m.frequency, "Hz"),
+    Column("damping_ratio", "damping ratio", lambda m: m.damping, "1", 4),
+    Column("", "eigenvalue [1/s]", _eigenvalue),
+    Column("eigenvalue", "", lambda m: [m.eigenvalue.real, m.eigenvalue.imag], "1/s"),
+    Column("", "kinetic energy in", lambda m: m.main_coordinates),
+    Column("kinetic_energy", "", lambda m: dict(zip(m.names, m.energy_fraction, strict=True)), "1"),
+)
+
+
+def curving_table(states: Sequence[SteadyCurving]) -> ResultTable:
     """Table with one column per speed."""
-    from rich.table import Table
-
     curve = states[0].curve
     title = f"Steady-state curving: curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
-    view = Table(title=title, title_justify="left")
-    view.add_column("speed [m/s]")
-    for s in states:
-        view.add_column(f"{s.curve.speed:g}", justify="right")
-    for label, text in _ROWS:
-        view.add_row(label, *(text(s) for s in states))
-    return view
+    return ResultTable("curving", title, _CURVING, states, across=True)
 
 
-def _positions(patches: Sequence[Patch]) -> str:
-    return "\n".join(f"{fixed(1e3 * p.wheel_s, 1)}  {fixed(1e3 * p.rail_s, 1)}" for p in patches) or "-"
+def _positions(patches: Sequence[Patch]) -> list[list[float]]:
+    return [[patch.wheel_s, patch.rail_s] for patch in patches]
 
 
-def _sides(values: Mapping[Side, float], scale: float, digits: int) -> str:
-    return "  ".join(fixed(scale * values[side], digits) for side in values)
-
-
-_ROWS: tuple[tuple[str, Callable[[SteadyCurving], str]], ...] = (
-    ("cant deficiency (mm)", lambda s: f"{1e3 * s.curve.deficiency():.1f}"),
-    ("wheel load Q, left, right (kN)", lambda s: _sides(s.wheel_load, 1e-3, 2)),
-    ("guiding force Y, positive outwards (kN)", lambda s: _sides(s.guiding_force, 1e-3, 2)),
-    ("derailment quotient Y/Q", lambda s: _sides(s.derailment_quotient, 1.0, 3)),
-    ("lateral force on the wheelset (kN)", lambda s: f"{1e-3 * s.lateral_force:.2f}"),
-    ("wheel unloading (%)", lambda s: f"{1e2 * s.unloading:.1f}"),
-    ("secondary deflection (mm)", lambda s: f"{1e3 * s.secondary_deflection:.1f}"),
-    ("bumpstop force (kN)", lambda s: f"{1e-3 * s.bumpstop_force:.2f}"),
-    ("car body: y (mm), roll (mrad)", lambda s: f"{1e3 * s.car_body[0]:.1f}  {1e3 * s.car_body[2]:.2f}"),
-    ("wheelset: y (mm), roll (mrad)", lambda s: f"{1e3 * s.wheelset[0]:.2f}  {1e3 * s.wheelset[2]:.3f}"),
-    ("yaw reaction (kN m)", lambda s: f"{1e-3 * s.yaw_reaction:.2f}"),
-    ("left: position on wheel, on rail (mm)", lambda s: _positions(s.patches["left"])),
-    ("right: position on wheel, on rail (mm)", lambda s: _positions(s.patches["right"])),
+_CURVING = (
+    Column("speed", "speed", lambda s: s.curve.speed, "m/s"),
+    Column("curvature", "", lambda s: s.curve.curvature, "1/m"),
+    Column("cant", "", lambda s: s.curve.cant, "m"),
+    Column("cant_deficiency", "cant deficiency", lambda s: s.curve.deficiency(), "mm", 1),
+    Column("wheel_load", "wheel load Q, left, right", lambda s: s.wheel_load, "kN", 2),
+    Column("guiding_force", "guiding force Y, positive outwards", lambda s: s.guiding_force, "kN", 2),
+    Column("derailment_quotient", "derailment quotient Y/Q", lambda s: s.derailment_quotient, "1", 3),
+    Column("lateral_force", "lateral force on the wheelset", lambda s: s.lateral_force, "kN", 2),
+    Column("unloading", "wheel unloading", lambda s: s.unloading, "%", 1),
+    Column("secondary_deflection", "secondary deflection", lambda s: s.secondary_deflection, "mm", 1),
+    Column("bumpstop_force", "bumpstop force", lambda s: s.bumpstop_force, "kN", 2),
+    Column("car_body_y", "car body: y", lambda s: s.car_body[0].item(), "mm", 1),
+    Column("car_body_roll", "car body: roll", lambda s: s.car_body[2].item(), "mrad", 2),
+    Column("wheelset_y", "wheelset: y", lambda s: s.wheelset[0].item(), "mm", 2),
+    Column("wheelset_roll", "wheelset: roll", lambda s: s.wheelset[2].item(), "mrad", 3),
+    Column("yaw_reaction", "yaw reaction", lambda s: s.yaw_reaction, "kN m", 2),
+    Column("left_positions", "left: position on wheel, on rail", lambda s: _positions(s.patches["left"]), "mm", 1),
+    Column("right_positions", "right: position on wheel, on rail", lambda s: _positions(s.patches["right"]), "mm", 1),
 )

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from itertools import accumulate
 from math import tan
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from rich.table import Table
+from wheelrail.scenes.datasets.result_table import Column, ResultTable
 
+if TYPE_CHECKING:
     from wheelrail.scenes.schema.scene import RunScene
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import Track
@@ -32,29 +33,43 @@ def cants(track: Track, speed_profile: SpeedProfile, gravity: float, station: fl
     return sign * superelevation, sign * (track.base * speed * speed * curvature / gravity - superelevation)
 
 
-def segment_table(scene: RunScene) -> Table:
+def segment_table(scene: RunScene) -> ResultTable:
     """Table with one row per segment: its range, and the values at its end."""
-    from rich.table import Table
-
     from wheelrail.scenes.builders.vehicle import wagon
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
     alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.speed_profile)
     track, gravity = alignment.track(), wagon(scene).gravity
-    view = Table(title="Track; radius, cant, gradient, speed and cant deficiency at the end of each segment")
-    for name in ("segment", "from m", "to m", "radius m", "cant mm", "gradient ‰", "speed m/s", "cant deficiency mm"):
-        view.add_column(name, justify="left" if name == "segment" else "right")
     ends = list(accumulate((segment.length for segment in alignment.layout), initial=0.0))
+    rows = []
     for segment, start, end in zip(alignment.layout, ends, ends[1:], strict=False):
         curvature, (cant, deficiency) = track.curvature(end)[0], cants(track, speed_profile, gravity, end)
-        view.add_row(
-            f"{segment.kind}, {segment.shape}" if segment.kind == "transition" else segment.kind,
-            f"{start:.1f}",
-            f"{end:.1f}",
-            f"{1.0 / curvature:.1f}" if curvature else "",
-            f"{1e3 * cant:.0f}",
-            f"{1e3 * tan(track.gradient(end)[0]):.1f}",
-            f"{speed_profile(speed_profile.time_at(end)).speed:.1f}",
-            f"{1e3 * deficiency:.0f}",
+        rows.append(
+            {
+                "segment": f"{segment.kind}, {segment.shape}" if segment.kind == "transition" else segment.kind,
+                "start": start,
+                "end": end,
+                "radius": 1.0 / curvature if curvature else None,
+                "cant": cant,
+                "gradient": tan(track.gradient(end)[0]),
+                "speed": speed_profile(speed_profile.time_at(end)).speed,
+                "cant_deficiency": deficiency,
+            }
         )
-    return view
+    title = "Track; radius, cant, gradient, speed and cant deficiency at the end of each segment"
+    return ResultTable("segments", title, COLUMNS, rows)
+
+
+COLUMNS = tuple(
+    Column(name, label, itemgetter(name), unit, digits)
+    for name, label, unit, digits in (
+        ("segment", "segment", "", None),
+        ("start", "from", "m", 1),
+        ("end", "to", "m", 1),
+        ("radius", "radius", "m", 1),
+        ("cant", "cant", "mm", 0),
+        ("gradient", "gradient", "‰", 1),
+        ("speed", "speed", "m/s", 1),
+        ("cant_deficiency", "cant deficiency", "mm", 0),
+    )
+)

@@ -3,30 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wheelrail.scenes.builders.vehicle import applied_loads, vehicle_on
 from wheelrail.scenes.builders.wheelset import wheelset_contact
-from wheelrail.scenes.datasets.number_text import fixed, significant
+from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
 from wheelrail.scenes.runs.steady import curve_of, failures_as_run_failed
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from wheelrail.contact.kinematics.frames import Side
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
     from wheelrail.vehicle.multibody.wheel_forces import WheelForces, WheelsetForces
     from wheelrail.vehicle.steady.critical_speed import CriticalSpeed
     from wheelrail.vehicle.steady.equilibrium import Equilibrium
     from wheelrail.vehicle.steady.modes import Mode
     from wheelrail.vehicle.track.constant_curve import ConstantCurve
-
-TABLE_DIGITS = 4
 
 
 def vehicle_dynamics(scene: RunScene, file: Path, speed: float) -> VehicleDynamics:
@@ -103,13 +101,34 @@ def curve_equilibria_of(scene: RunScene, file: Path, speeds: Sequence[float]) ->
         return [equilibrium(curve_dynamics(dynamics, replace(curve, speed=speed))) for speed in speeds]
 
 
-def critical_speed_lines(found: Sequence[CriticalSpeed | None], speeds: tuple[float, float]) -> list[str]:
-    """Critical speed, frequency, wavelength and mode as lines of text.
+def critical_speed_results(found: Sequence[CriticalSpeed | None], speeds: tuple[float, float]) -> Results:
+    """Critical speed, frequency, wavelength and mode.
 
     Parameters:
         found: results, one for each place of the strips: their mean with its standard error.
         speeds: range in which they were looked for, m/s.
     """
+    facts: dict[str, Any] = {
+        "range": speeds,
+        "critical_speeds": [one and one.speed for one in found],
+        **dict.fromkeys(("critical_speed", "standard_error", "frequency", "wavelength", "kinetic_energy")),
+    }
+    lines = _critical_speed(found, speeds, facts)
+    return Results("critical", ["\n".join(lines)], facts, CRITICAL_UNITS)
+
+
+CRITICAL_UNITS = {
+    **dict.fromkeys(("range", "critical_speeds", "critical_speed", "standard_error"), "m/s"),
+    "frequency": "Hz",
+    "wavelength": "m",
+    "kinetic_energy": "1",
+}
+
+
+def _critical_speed(
+    found: Sequence[CriticalSpeed | None], speeds: tuple[float, float], facts: dict[str, Any]
+) -> list[str]:
+    """Lines of text; enters the mean of the critical speeds, its error and the mode, if there is one, in the facts."""
     low, high = (f"{speed:g} m/s" for speed in speeds)
     known = [one for one in found if one is not None]
     if len(known) < len(found):
@@ -120,75 +139,64 @@ def critical_speed_lines(found: Sequence[CriticalSpeed | None], speeds: tuple[fl
         return [f"already unstable at {low}: {lowest.mode}"]
     values = np.array([one.speed for one in known])
     critical = known[int(np.argmin(np.abs(values - values.mean())))]
-    error, places = "", ""
+    mode, error, places = critical.mode, "", ""
+    facts |= {
+        "critical_speed": values.mean(),
+        "frequency": mode.frequency,
+        "wavelength": critical.wavelength,
+        "kinetic_energy": dict(zip(mode.names, mode.energy_fraction, strict=True)),
+    }
     if len(values) > 1:
-        error = f" ± {values.std(ddof=1) / np.sqrt(len(values)):.2f}"
+        facts["standard_error"] = values.std(ddof=1) / np.sqrt(len(values))
+        error = f" ± {facts['standard_error']:.2f}"
         places = f", mean of {len(values)} places of the strips ({values.min():.2f} to {values.max():.2f} m/s)"
     return [
         f"linear critical speed: {values.mean():.2f}{error} m/s ({3.6 * values.mean():.1f} km/h){places}",
-        f"frequency: {critical.mode.frequency:.3f} Hz, wavelength: {critical.wavelength:.2f} m",
-        f"kinetic energy in: {critical.mode.main_coordinates}",
+        f"frequency: {mode.frequency:.3f} Hz, wavelength: {critical.wavelength:.2f} m",
+        f"kinetic energy in: {mode.main_coordinates}",
     ]
 
 
-@dataclass(frozen=True)
-class _Row:
-    """A row of the table of wheelsets: label, and text of one wheelset."""
-
-    label: str
-    text: Callable[[WheelsetForces], str]
+def _wheels(value: Callable[[WheelForces], float]) -> Callable[[tuple[str, WheelsetForces]], dict[Side, float]]:
+    return lambda row: {side: value(wheel) for side, wheel in row[1].wheels.items()}
 
 
-def _wheels(value: Callable[[WheelForces], float], scale: float, digits: int) -> Callable[[WheelsetForces], str]:
-    return lambda w: "  ".join(fixed(scale * value(wheel), digits) for wheel in (w.left, w.right))
-
-
-_ROWS = (
-    _Row("lateral displacement y (mm)", lambda w: fixed(1e3 * w.y, 3)),
-    _Row("yaw (mrad)", lambda w: fixed(1e3 * w.yaw, 3)),
-    _Row("wheel load Q, left, right (kN)", _wheels(lambda wheel: wheel.vertical, 1e-3, 2)),
-    _Row("guiding force Y, positive outwards (kN)", _wheels(lambda wheel: wheel.guiding, 1e-3, 2)),
-    _Row("derailment quotient Y/Q", _wheels(lambda wheel: wheel.derailment_quotient, 1.0, 3)),
-    _Row("sum of Y, positive to the right (kN)", lambda w: fixed(1e-3 * w.track_shifting, 2)),
-    _Row("longitudinal force on the wheel (kN)", _wheels(lambda wheel: wheel.longitudinal, 1e-3, 2)),
-    _Row("wear number T gamma (N)", _wheels(lambda wheel: wheel.wear_number, 1.0, 1)),
+_WHEELSET = (
+    Column("wheelset", "wheelset", lambda row: row[0]),
+    Column("y", "lateral displacement y", lambda row: row[1].y, "mm", 3),
+    Column("yaw", "yaw", lambda row: row[1].yaw, "mrad", 3),
+    Column("wheel_load", "wheel load Q, left, right", _wheels(lambda wheel: wheel.vertical), "kN", 2),
+    Column("guiding_force", "guiding force Y, positive outwards", _wheels(lambda wheel: wheel.guiding), "kN", 2),
+    Column("derailment_quotient", "derailment quotient Y/Q", _wheels(lambda w: w.derailment_quotient), "1", 3),
+    Column("track_shifting_force", "sum of Y, positive to the right", lambda row: row[1].track_shifting, "kN", 2),
+    Column("longitudinal_force", "longitudinal force on the wheel", _wheels(lambda w: w.longitudinal), "kN", 2),
+    Column("wear_number", "wear number T gamma", _wheels(lambda wheel: wheel.wear_number), "N", 1),
 )
 
 
-def wheelsets_table(at: Equilibrium, curve: ConstantCurve | None = None) -> Table:
+def wheelsets_table(at: Equilibrium, curve: ConstantCurve | None = None) -> ResultTable:
     """Table of attitude and forces with one column per wheelset; curve for its title."""
-    from rich.table import Table
-
     from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
 
     speed = at.dynamics.speed_profile(0.0).speed
     where = "straight track" if curve is None else f"curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
-    table = Table(title=f"Wheelsets at {speed:g} m/s: {where}", title_justify="left")
-    forces = wheelset_forces(at.dynamics, at.state, at.contacts)
-    table.add_column("")
-    for name in forces:
-        table.add_column(name, justify="right")
-    for line in _ROWS:
-        table.add_row(line.label, *(line.text(w) for w in forces.values()))
-    return table
+    rows = list(wheelset_forces(at.dynamics, at.state, at.contacts).items())
+    columns = [*_WHEELSET, Column("speed", "", lambda row: speed, "m/s")]
+    return ResultTable("wheelsets", f"Wheelsets at {speed:g} m/s: {where}", columns, rows, across=True)
 
 
-def bodies_table(at: Equilibrium) -> Table:
+def bodies_table(at: Equilibrium) -> ResultTable:
     """Table of the positions of all bodies."""
-    from rich.table import Table
-
     from wheelrail.vehicle.multibody.vehicle import COORDINATES
 
-    table = Table(
-        title="Positions from the nominal ones, each in the track frame at its own distance", title_justify="left"
-    )
-    for label in ("body", "x [mm]", "y [mm]", "z [mm]", "roll [mrad]", "pitch [mrad]", "yaw [mrad]"):
-        table.add_column(label, justify="left" if label == "body" else "right")
+    speed = at.dynamics.speed_profile(0.0).speed
     position, _, _ = at.dynamics.coordinates.split(at.state)
-    wheelsets = at.dynamics.vehicle.wheelsets
+    wheelsets, rows = at.dynamics.vehicle.wheelsets, []
     for name, q in zip(at.dynamics.vehicle.names, position.tolist(), strict=True):
-        texts = [significant(1e3 * value, TABLE_DIGITS) for value in q]
-        if name in wheelsets:  # they roll
-            texts[COORDINATES.index("pitch")] = "-"
-        table.add_row(name, *texts)
-    return table
+        pitch = {"pitch": None} if name in wheelsets else {}  # they roll
+        rows.append({"speed": speed, "body": name, **dict(zip(COORDINATES, q, strict=True)), **pitch})
+    columns = [Column("speed", "", itemgetter("speed"), "m/s"), Column("body", "body", itemgetter("body"))]
+    for name in COORDINATES:
+        columns.append(Column(name, name, itemgetter(name), "mm" if name in "xyz" else "mrad"))
+    title = "Positions from the nominal ones, each in the track frame at its own distance"
+    return ResultTable("bodies", title, columns, rows)

@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wheelrail.scenes.datasets.result_table import Results
 from wheelrail.scenes.runs.progress import case_bar
 from wheelrail.scenes.studies.plan import Plan, plan
 from wheelrail.scenes.studies.schema import StudyTable, check_study, load_study
@@ -19,7 +20,7 @@ from wheelrail.scenes.studies.workers import SchedulerGone, case_results, check_
 from wheelrail.support.interrupts import deferred_interrupts
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+    from rich.console import Console
     from xarray import Dataset
 
     from wheelrail.scenes.studies.job import Job
@@ -48,14 +49,16 @@ class StudyOutcome:
     def failed(self) -> int:
         return int((self.data["status"] == "failed").sum())
 
-    def summary(self) -> list[RenderableType]:
+    @property
+    def results(self) -> Results:
         """Tables of cases and of convergence, number of cases by status, and files."""
         from wheelrail.scenes.studies.tables import tables
 
         counts = {str(s): int((self.data["status"] == s).sum()) for s in sorted(set(self.data["status"].values.flat))}
         statuses = ", ".join(f"{count} {status}" for status, count in counts.items())
         text = "\n".join([f"{statuses}; {self.computed} computed now", *(f"  {file}" for file in self.files)])
-        return [*tables(self.data), text]
+        facts = {"statuses": counts, "computed": self.computed, "interrupted": self.interrupted, "files": self.files}
+        return Results("study", [*tables(self.data), text], facts, {"statuses": "1", "computed": "1"})
 
 
 def run_study(

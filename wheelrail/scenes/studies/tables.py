@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wheelrail.scenes.datasets.number_text import significant
+from wheelrail.scenes.datasets.result_table import Column, ResultTable
 from wheelrail.scenes.plots.fits import slope
 from wheelrail.scenes.studies.convergence import (
     ORDER,
@@ -19,11 +20,9 @@ from wheelrail.scenes.studies.convergence import (
     series_of,
 )
 from wheelrail.scenes.studies.plan import SAMPLE, shown
-from wheelrail.scenes.studies.quantities import MAIN, varying
+from wheelrail.scenes.studies.quantities import MAIN, MEANINGS, varying
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-    from rich.table import Table
     from xarray import Dataset
 
 ROWS = 30  # of a table; all cases are in the results
@@ -44,78 +43,101 @@ def parameters(data: Dataset) -> list[str]:
     ]
 
 
-def tables(data: Dataset) -> list[RenderableType]:
+def tables(data: Dataset) -> list[ResultTable]:
     """Table of cases, and of errors for a convergence study."""
+    return [case_table(data), *convergence_tables(data)]
+
+
+def convergence_tables(data: Dataset) -> list[ResultTable]:
+    """Errors, their orders, and the orders of every series if there are several; none for other studies."""
     if not errors_of(data):
-        return [case_table(data)]
-    return [case_table(data), error_table(data), *([order_table(data)] if len(series_of(data)) > 1 else [])]
+        return []
+    return [error_table(data), largest_order_table(data), *([order_table(data)] if len(series_of(data)) > 1 else [])]
 
 
-def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -> Table:
+def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -> ResultTable:
     """Table of cases, values of the sides in sequence.
 
     Parameters:
         data: Dataset of the study.
-        rows: largest number of rows.
-        where: place of the other cases, for the caption.
+        rows: largest number of rows for readers.
+        where: place of the other cases, for the note.
     """
-    from rich.table import Table
-
-    names = parameters(data)
+    names, cases = parameters(data), data["status"].size
     main = varying(data)[: 2 if "side" in data.dims and len(names) > 3 else 4]
-    sides = f", {' / '.join(map(str, data['side'].values))}" if "side" in data.dims else ""
-    view = Table(title=f"{data['status'].size} cases{sides}", title_justify="left")
+    sides = list(map(str, data["side"].values)) if "side" in data.dims else []
+    columns = []
     for name in names:
-        unit = data[name].attrs.get("units", "1")
-        view.add_column(f"{data[name].attrs['long_name']}" + (f" [{unit}]" if unit != "1" else ""), justify="right")
+        unit, values = _unit(data, name), flat(data, name).tolist()
+        label = f"{data[name].attrs['long_name']}" + (f" [{unit}]" if unit not in ("", "1") else "")
+        columns += [_texts(label, map(_short, values)), _values(name, values, unit)]
     for name in main:
-        view.add_column(f"{MAIN[name][0]} [{MAIN[name][2]}]", justify="right")
-    view.add_column("s", justify="right", no_wrap=True)
-    view.add_column("status", min_width=9)
-    values = {name: flat(data, name) for name in (*names, *main, "seconds", "status", "error")}
-    for index in range(min(data["status"].size, rows)):
-        case = {name: column[index] for name, column in values.items()}
-        cells = [_short(_plain(case[name])) for name in names]
-        for name in main:
-            cells.append(" / ".join(_number(MAIN[name][1] * value) for value in np.atleast_1d(case[name])))
-        status = f"{case['status']}" + (f": {case['error']}" if str(case["error"]) else "")
-        view.add_row(*cells, significant(float(case["seconds"]), 2), status)
-    if (omitted := data["status"].size - rows) > 0:
-        view.caption, view.caption_justify = f"and {omitted} more, {where}", "left"
-    return view
+        label, scale, unit = MAIN[name]
+        numbers = (map(_number, np.atleast_1d(scale * own)) for own in flat(data, name))
+        columns.append(_texts(f"{label} [{unit}]", map(" / ".join, numbers)))
+    for name in MEANINGS:
+        if name in data:
+            values = flat(data, name).tolist()
+            by_side = [dict(zip(sides, own, strict=True)) if isinstance(own, list) else own for own in values]
+            columns.append(_values(name, by_side, MEANINGS[name][0]))
+    seconds, statuses, errors = (flat(data, name).tolist() for name in ("seconds", "status", "error"))
+    columns += [
+        _texts("s", (significant(value, 2) for value in seconds)),
+        _texts("status", map(": ".join, (filter(None, pair) for pair in zip(statuses, errors, strict=True)))),
+        _values("seconds", seconds, "s"),
+        _values("status", statuses),
+        _values("error", errors),
+    ]
+    title = f"{cases} cases" + (f", {' / '.join(sides)}" if sides else "")
+    note = f"and {cases - rows} more, {where}" if cases > rows else ""
+    return ResultTable("cases", title, columns, range(cases), note=note, most=rows)
 
 
-def error_table(data: Dataset) -> Table:
-    """Largest relative errors, %, of all sides and other dimensions, and their order of convergence."""
-    from rich.table import Table
+def _texts(label: str, texts: Iterable[str]) -> Column:
+    """Column for readers, of rows that are numbered."""
+    return Column("", label, list(texts).__getitem__)
 
+
+def _values(name: str, values: Sequence[Any], unit: str = "") -> Column:
+    """Column for programs, of rows that are numbered."""
+    return Column(name, "", values.__getitem__, unit)
+
+
+def _unit(data: Dataset, name: str) -> str:
+    """Unit of a parameter; none of texts."""
+    return str(data[name].attrs.get("units", "1")) if data[name].dtype.kind in "fiu" else ""
+
+
+def error_table(data: Dataset) -> ResultTable:
+    """Largest relative errors of all sides and other dimensions."""
     over = str(data.attrs["convergence_over"])
-    largest = largest_errors(data)
-    view = Table(title=f"Relative errors over {data[over].attrs['long_name']}", title_justify="left")
-    view.add_column(data[over].attrs["long_name"], justify="right")
-    for name in largest:
-        view.add_column(f"{name.replace('_', ' ')} [%]", justify="right")
-    for index, value in enumerate(data[over].values):
-        view.add_row(shown(_plain(value)), *(_number(100.0 * float(error[index])) for error in largest.values()))
-    view.add_section()
-    size = data[over].values ** (-1.0 if increasing_of(data) else 1.0)
-    finest = finest_of(data)
-    view.add_row("order", *(f"{slope(size, error.values, finest):.2f}" for error in largest.values()))
-    return view
+    label, sizes = str(data[over].attrs["long_name"]), data[over].values.tolist()
+    columns = [_texts(label, map(shown, sizes)), _values(over, sizes, _unit(data, over))]
+    for name, error in largest_errors(data).items():
+        columns.append(Column(f"error_{name}", name.replace("_", " "), error.values.tolist().__getitem__, "%"))
+    return ResultTable("errors", f"Relative errors over {label}", columns, range(len(sizes)))
 
 
-def order_table(data: Dataset) -> Table:
+def largest_order_table(data: Dataset) -> ResultTable:
+    """Order of convergence of the largest relative errors."""
+    size = data[str(data.attrs["convergence_over"])].values ** (-1.0 if increasing_of(data) else 1.0)
+    columns = []
+    for name, error in largest_errors(data).items():
+        order = [float(slope(size, error.values, finest_of(data)))]
+        columns.append(Column(f"order_{name}", name.replace("_", " "), order.__getitem__, "1", 2))
+    return ResultTable("order", "Order of the largest errors", columns, range(1))
+
+
+def order_table(data: Dataset) -> ResultTable:
     """Orders of convergence of every series, fitted to its errors, with their standard errors."""
-    from rich.table import Table
-
-    names = list(errors_of(data))
-    view = Table(title=f"Orders over {data.attrs['convergence_over']}", title_justify="left")
-    view.add_column("series")
-    for name in names:
-        view.add_column(name.replace("_", " "), justify="right")
-    for index in series_of(data):
-        view.add_row(series_label(data, index), *(order_text(data, name, index) for name in names))
-    return view
+    series = list(series_of(data))
+    labels = [series_label(data, index) for index in series]
+    columns = [Column("series", "series", labels.__getitem__)]
+    for name in errors_of(data):
+        columns.append(_texts(name.replace("_", " "), (order_text(data, name, index) for index in series)))
+        for key, prefix in ((f"order_{name}", ORDER), (f"order_error_{name}", ORDER_ERROR)):
+            columns.append(_values(key, [float(data[prefix + name].isel(index)) for index in series], "1"))
+    return ResultTable("orders", f"Orders over {data.attrs['convergence_over']}", columns, range(len(series)))
 
 
 def order_text(data: Dataset, name: str, index: Mapping[str, int]) -> str:

@@ -10,6 +10,7 @@ from concurrent.futures import Executor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, field
 from datetime import UTC, datetime
+from operator import itemgetter
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ import numpy as np
 
 from wheelrail.scenes.builders.table import pair_identity
 from wheelrail.scenes.builders.wheelset import mounted, side_profiles
+from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
 from wheelrail.scenes.runs.resume import sources
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import SIDES, Side
@@ -191,19 +193,30 @@ def _tables(profiles: dict[str, Any]) -> list[dict[str, Any]]:
     return [profiles, *(own for side in SIDES if isinstance(own := profiles.get(side), dict))]
 
 
-def error_lines(data: Dataset) -> list[str]:
-    """Nodes and errors of a table, one line for each side and component."""
-    lines = []
+def table_results(data: Dataset, file: Path) -> Results:
+    """Nodes and errors of a table by side and component; file: where it is."""
+    rows, lines, nodes = [], [], {}
     for side in str(data.attrs["sides"]).split():
-        shape = " x ".join(str(size) for size in data[f"{side}_normal_values"].shape[:-1])
-        friction = " x ".join(str(size) for size in data[f"{side}_friction_values"].shape[:-1])
-        lines.append(f"{side}: {shape} nodes without friction, {friction} with friction")
-        error = 100.0 * data[f"{side}_force_error"].values
-        for name, column in zip(("Fx", "Fy", "Fz"), error.T, strict=True):
-            rms, worst = np.sqrt(np.nanmean(column**2)), np.nanmax(np.abs(column))
-            lines.append(f"  {name}: {rms:.2f} % of the vertical load RMS, {worst:.2f} % worst")
+        sizes = {kind: data[f"{side}_{kind}_values"].shape[:-1] for kind in ("normal", "friction")}
+        shape, friction = (" x ".join(map(str, own)) for own in sizes.values())
+        error = data[f"{side}_force_error"].values
         failed = int(np.isnan(error[:, 0]).sum())
-        lines.append(
-            f"  at {len(error)} points between the nodes" + (f", {failed} of them not solved" if failed else "")
-        )
-    return lines
+        nodes[side] = {**sizes, "checked": len(error), "unsolved": failed}
+        lines.append(f"{side}: {shape} nodes without friction, {friction} with friction")
+        at = f"  at {len(error)} points between the nodes" + (f", {failed} of them not solved" if failed else "")
+        lines.append(at)
+        for name, column in zip(("Fx", "Fy", "Fz"), error.T, strict=True):
+            rms, worst = float(np.sqrt(np.nanmean(column**2))), float(np.nanmax(np.abs(column)))
+            rows.append({"side": side, "force": name, "rms": rms, "worst": worst})
+    facts = {"file": file, "nodes": nodes, "reached": bool(data.attrs["reached"]), "seconds": data.attrs["seconds"]}
+    lines.append(f"  {file}, {data.attrs['seconds']:.0f} s")
+    table = ResultTable("errors", "Errors between the nodes, of the vertical load", _ERRORS, rows)
+    return Results("table", [table, "\n".join(lines)], facts, {"nodes": "1", "seconds": "s"})
+
+
+_ERRORS = (
+    Column("side", "side", itemgetter("side")),
+    Column("force", "force", itemgetter("force")),
+    Column("rms", "RMS", itemgetter("rms"), "%", 2),
+    Column("worst", "worst", itemgetter("worst"), "%", 2),
+)
