@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +64,7 @@ def contact_geometry(
     the positive values of y: equivalent_conicity of EN 15302, whose wheels are lowered to the rails without roll of the
     wheelset, and equivalent_conicity_with_roll of the wheelset that touches both rails. Both are those of cones with
     the same wavelength of the kinematic motion, 0 where no motion of that amplitude returns, and with sides that differ
-    about the position of equal rolling radii.
+    about the position of equal rolling radii. They are computed when they are first read.
 
     Raises SceneError, and ValueError for a position without contact on both sides.
     """
@@ -93,12 +94,12 @@ def contact_geometry(
             ),
             "equivalent_conicity": (
                 "amplitude",
-                _conicity(wheelset, amplitude, _difference_without_roll),
+                _on_demand(amplitude.shape, partial(_conicity, wheelset, amplitude, _difference_without_roll)),
                 means("1", "equivalent conicity without roll of the wheelset (EN 15302)"),
             ),
             "equivalent_conicity_with_roll": (
                 "amplitude",
-                _conicity(wheelset, amplitude, _difference_with_roll),
+                _on_demand(amplitude.shape, partial(_conicity, wheelset, amplitude, _difference_with_roll)),
                 means("1", "equivalent conicity with the roll of the wheelset on both rails"),
             ),
         },
@@ -115,6 +116,33 @@ def contact_geometry(
             "yaw": yaw,
         },
     )
+
+
+def _on_demand(shape: tuple[int, ...], compute: Callable[[], Array]) -> Any:
+    """Data of a variable of xarray in place of an array.
+
+    Parameters:
+        shape: of the values.
+        compute: the values; called at most once.
+    """
+    from xarray.backends import BackendArray
+    from xarray.core import indexing
+
+    class Values(BackendArray):
+        """Array that is computed at the first index."""
+
+        def __init__(self) -> None:
+            self.shape, self.dtype = shape, np.dtype(np.float64)
+
+        def __getitem__(self, key: Any) -> Any:
+            support = indexing.IndexingSupport.OUTER
+            return indexing.explicit_indexing_adapter(key, self.shape, support, lambda own: compute()[own])
+
+        def __reduce__(self) -> Any:
+            """As computed values: a copy in another process has no other way to them."""
+            return indexing.NumpyIndexingAdapter, (compute(),)
+
+    return indexing.MemoryCachedArray(indexing.LazilyIndexedArray(Values()))  # type: ignore[no-untyped-call]
 
 
 def _positions(y: ArrayLike | None) -> Array:
