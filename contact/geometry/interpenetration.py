@@ -1,8 +1,8 @@
 """Interpenetration regions by the method of virtual penetration: around every local maximum of the penetration.
 
-J. Piotrowski, W. Kik, Vehicle System Dynamics 46 (2008) 27-48, doi:10.1080/00423110701586444. Two maxima that approach
-each other, or whose minimum between them vanishes, merge continuously into one contact, so that forces do not jump: the
-weight of the lower one decreases, and the region of the higher one extends over it.
+J. Piotrowski, W. Kik, Vehicle System Dynamics 46 (2008) 27-48, doi:10.1080/00423110701586444. Maxima that approach
+each other, or whose minimum between them vanishes, merge continuously into one contact, so that forces do not jump:
+they share its weight, and the region of each extends over the others (`merging_weights`, `covered`).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.curves.closest_point import Shape, local, next_piece, piece
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import borrowing, compiled
+from wheelrail.support.compiled import borrowing, compiled, unchecked
 
 VIRTUAL = 0.55  # penetration of the virtual bodies over that of the elastic ones, Piotrowski and Kik 2008
 SEPARATION = 1.5  # times the merging distance: two maxima further apart are separate contacts
@@ -29,6 +29,8 @@ HALF = 0.5 * (_GAUSS + 1.0)
 # positions and widths from 0 to 1 of the strips of half a region, denser at the maximum
 POSITIONS = HALF * HALF
 WIDTHS = HALF * _WEIGHTS
+POWER = 4  # of heights: of two maxima, twice as high above the minimum between them, the higher has 94 % of the weight
+LEAST_WEIGHT = 1e-4  # of a contact: lower ones have none
 MIN_PENETRATION = 1e-15  # m: smallest penetration of a strip, for a length above zero
 MIN_SLOPE_COSINE = 0.05  # cosine of the wheel's slope: lower bound for the radius along the rail
 
@@ -70,36 +72,127 @@ def fade(t: float) -> float:
     return t * t * (3.0 - 2.0 * t)
 
 
-@compiled
-def merging_weights(top: Array, low: Array, merge: float) -> tuple[Array, Array]:
-    """Weight (k,) of each maximum as a contact, and fraction (k, k) of another's basin that belongs to its region.
+@borrowing
+def fade_slope(t: float) -> float:
+    """Derivative of `fade`."""
+    return 6.0 * t * (1.0 - t) if 0.0 < t < 1.0 else 0.0
+
+
+@borrowing
+def saddle_between(low: Array, i: int, j: int) -> int:
+    """Row of the lowest minimum (k - 1, 3) between two maxima."""
+    lowest = min(i, j)
+    for k in range(min(i, j), max(i, j)):
+        if low[k, 1] < low[lowest, 1]:
+            lowest = k
+    return lowest
+
+
+@borrowing
+def apart(away: float, merge: float) -> tuple[float, float]:
+    """How far two places at a distance m are separate contacts, 0 to 1, and its derivative by the distance."""
+    t = (away / merge - 1.0) / (SEPARATION - 1.0)
+    return fade(t), fade_slope(t) / (merge * (SEPARATION - 1.0))
+
+
+@unchecked
+def merging_weights(top: Array, low: Array, merge: float, by_top: Array, by_low: Array) -> tuple[Array, Array]:
+    """Weight (k,) of each maximum as a contact, and its derivatives (k, q) by q parameters.
 
     Parameters:
         top, low: (k, 3), (k - 1, 3) maxima and minima between them: position, penetration, x, m.
         merge: m, maxima closer than that are one contact.
+        by_top, by_low: (k, 3, q) and (k - 1, 3, q), their derivatives.
+
+    Maxima are joined at the minima between them, from the highest minimum down. Two groups share one contact in the
+    ratio of the `POWER` of their heights above the minimum that joins them, and their joint height above it is the norm
+    of both with this power. A maximum that has just appeared on a slope has no height above its minimum: neither it nor
+    any other weight jumps. Sums of powers do not depend on the order in which minima of the same height are taken. From
+    a maximum's own view the height of another one counts as far as its own region, down to (1 - VIRTUAL) of its height,
+    extends over the minimum, or as both are close.
     """
-    n = len(top)
-    weight, reach = np.ones(n), np.eye(n)
+    n, q = len(top), by_top.shape[2]
+    weight, by_weight, share, by_share = np.ones(n), np.zeros((n, q)), np.ones(n), np.zeros((n, q))
+    whole, own, first, last = top[:, 1].copy(), top[:, 1].copy(), np.arange(n), np.arange(n)
+    by_whole, by_own, part, by_part = by_top[:, 1].copy(), by_top[:, 1].copy(), np.zeros(n), np.zeros((n, q))
+    done = np.zeros(max(n - 1, 0), np.bool_)
+    for _ in range(n - 1):
+        k = -1
+        for j in range(n - 1):
+            if not done[j] and (k < 0 or low[j, 1] > low[k, 1]):
+                k = j
+        done[k] = True
+        minimum, start, middle, stop = low[k, 1], first[k], k + 1, last[k + 1] + 1
+        by_minimum = by_low[k, 1] if minimum > 0.0 else np.zeros(q)
+        total, by_total = 0.0, np.zeros(q)
+        for i in range(start, stop):  # powers of heights, by maxima
+            height = max(whole[i] - minimum, 0.0)
+            part[i] = share[i] * height**POWER
+            by_part[i] = by_share[i] * height**POWER
+            by_part[i] += share[i] * POWER * height ** (POWER - 1) * (by_whole[i] - by_minimum)
+            total += part[i]
+            by_total += by_part[i]
+        for i in range(start, stop):
+            before = max(own[i] - minimum, 0.0) ** POWER
+            by_before = POWER * max(own[i] - minimum, 0.0) ** (POWER - 1) * (by_own[i] - by_minimum)
+            after, by_after, height = before, by_before.copy(), top[i, 1]
+            deep, deep_slope = (height - minimum) / (VIRTUAL * height), 0.0
+            deep, deep_slope = fade(deep), fade_slope(deep)
+            by_deep = deep_slope / VIRTUAL * (minimum * by_top[i, 1] / height - by_minimum) / height
+            for j in range(middle if i < middle else start, stop if i < middle else middle):
+                far, far_slope = apart(abs(top[i, 0] - top[j, 0]), merge)
+                by_far = (far_slope if top[i, 0] > top[j, 0] else -far_slope) * (by_top[i, 0] - by_top[j, 0])
+                counts = 1.0 - deep * far
+                after += counts**POWER * part[j]
+                by_after += counts**POWER * by_part[j]
+                by_after -= POWER * counts ** (POWER - 1) * (by_deep * far + deep * by_far) * part[j]
+            if after > 0.0:
+                by_weight[i] = by_weight[i] * (before / after)
+                by_weight[i] += weight[i] * (by_before - before / after * by_after) / after
+                weight[i] *= before / after
+                root = after ** (1.0 / POWER)
+                own[i], by_own[i] = minimum + root, by_minimum + root / (POWER * after) * by_after
+        for i in range(start, stop):
+            first[i], last[i] = start, stop - 1
+            if total > 0.0:
+                share[i], by_share[i] = part[i] / total, (by_part[i] - part[i] / total * by_total) / total
+                root = total ** (1.0 / POWER)
+                whole[i], by_whole[i] = minimum + root, by_minimum + root / (POWER * total) * by_total
     for i in range(n):
-        for j in range(n):
-            if i == j:
-                continue
-            height, other_height = top[i, 1], top[j, 1]
-            minimum = low[min(i, j) : max(i, j), 1].min()
-            lower = min(height, other_height)
-            apart = fade((abs(top[i, 0] - top[j, 0]) / merge - 1.0) / (SEPARATION - 1.0))
-            separate = fade((lower - minimum) / (VIRTUAL * lower)) * apart
-            # which is higher, blended within the depth of the minimum
-            dominated = (
-                fade(0.5 + 0.5 * (other_height - height) / (lower - minimum))
-                if lower > minimum
-                else (1.0 if other_height > height else 0.0)
-            )
-            weight[i] *= 1.0 - (1.0 - separate) * dominated
-            level = (1.0 - VIRTUAL) * height
-            if other_height > level:
-                reach[i, j] = 1.0 - (1.0 - fade((minimum - level) / (other_height - level))) * apart
-    return weight, reach
+        kept = weight[i] > LEAST_WEIGHT
+        weight[i] = (weight[i] - LEAST_WEIGHT) / (1.0 - LEAST_WEIGHT) if kept else 0.0
+        by_weight[i] *= 1.0 / (1.0 - LEAST_WEIGHT) if kept else 0.0
+    return weight, by_weight
+
+
+@borrowing
+def extends(top: Array, low: Array, k: int, j: int, merge: float) -> bool:
+    """Whether the region of maximum k covers places around maximum j."""
+    if j == k:
+        return True
+    level, nearest = (1.0 - VIRTUAL) * top[k, 1], low[j - 1 if j > k else j, 0]
+    open_ = low[saddle_between(low, k, j), 1] > level or abs(nearest - top[k, 0]) < SEPARATION * merge
+    return bool(top[j, 1] > level and open_)
+
+
+@borrowing
+def covered(virtual: float, valley: float, away: float, merge: float) -> tuple[float, float, float, float]:
+    """Virtual penetration m that a place behind a minimum has in the region of another maximum, and its derivatives.
+
+    Parameters:
+        virtual: m, penetration of the virtual bodies there.
+        valley: m, that at the lowest minimum on the way.
+        away: m, distance from the maximum of the region.
+        merge: m, places closer than that belong to the region.
+
+    A place that is not higher than the minimum belongs to the region; the region ends where the minimum leaves it.
+    """
+    if virtual <= 0.0 or valley >= virtual:
+        return virtual, 1.0, 0.0, 0.0
+    t = valley / virtual
+    far, far_slope = apart(away, merge)
+    inside, slope = 1.0 - (1.0 - fade(t)) * far, fade_slope(t) * far
+    return virtual * inside, inside - slope * t, slope, -virtual * (1.0 - fade(t)) * far_slope
 
 
 class WheelRegions(NamedTuple):
@@ -139,7 +232,7 @@ def wheel_regions(
     beyond = first_beyond(samples, part) >= 0
     if not (beyond or len(top)):
         approach = nearest_place(wheel, rail, radius, origin, rotation, lines)[1]
-    weight, reach = merging_weights(top, low, merge)
+    weight, _ = merging_weights(top, low, merge, np.zeros((len(top), 3, 0)), np.zeros((len(low), 3, 0)))
     m, most = len(POSITIONS), 2 * len(top) * len(top)
     contacts, edges = np.empty((len(top), 4)), np.empty(most)
     contact, strips = np.empty(most * m, dtype=np.int64), np.empty((most * m, 5))
@@ -153,9 +246,9 @@ def wheel_regions(
         contacts[count, 3] = weight[k]
         level = (1.0 - VIRTUAL) * top[k, 1]
         for j in range(len(top)):
-            if reach[k, j] <= 0.0:
+            if not extends(top, low, k, j, merge):
                 continue
-            middle = top[j, 0]
+            middle, valley = top[j, 0], low[saddle_between(low, k, j), 1] - level if j != k else np.inf
             for direction in (-1, 1):
                 stop = half_limit(positions, low, j, direction)
                 i, inner = before[j] + (direction > 0), middle
@@ -176,10 +269,8 @@ def wheel_regions(
                     z, t, _ = local(wheel, s, at)
                     d, _, x, near = lowest(rail, radius, origin, rotation, z, t, x, near)
                     contact[n], strips[n, 0], strips[n, 1] = count, s, x
-                    strips[n, 2], strips[n, 3] = (
-                        abs(edge - middle) * WIDTHS[q],
-                        max(reach[k, j] * (d - level), MIN_PENETRATION),
-                    )
+                    strips[n, 2] = abs(edge - middle) * WIDTHS[q]
+                    strips[n, 3] = max(covered(d - level, valley, abs(s - top[k, 0]), merge)[0], MIN_PENETRATION)
                     strips[n, 4] = (z.imag + radius) / max(t.real, MIN_SLOPE_COSINE)
                     n += 1
         count += 1

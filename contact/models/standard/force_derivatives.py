@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
-from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, creepages, rolling_speed
+from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, rolling_speed
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
 from wheelrail.contact.models.standard.fastsim import foundation
-from wheelrail.contact.models.standard.forces import StripFrames, half_ellipse_means
+from wheelrail.contact.models.standard.forces import StripFrames, half_ellipse_means, mean_creepages
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.pressure_derivatives import PressureDerivatives
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives, rigid_motions
@@ -176,9 +176,11 @@ class Derivation(NamedTuple):
         increments, resultants, slopes: (n, 3), (n, 3), zero, and (n, 3, 3), zero, of the strips.
         lanes: (END,), of FASTSIM.
         bounds: (m,) of the traction on the cells of a strip, over the largest one.
-        by_point, by_axes, reference: (3, 6), (3, 3, 6) and (3, 6).
+        creepage, by_creepage: (n, 3) and (n, 3, 12), of the strips.
+        by_points, by_frames: (n + 1, 3, 6) and (n + 1, 3, 3, 6), of the strips, and of the maximum of a penetration.
+        reference: (3, 6).
         by_speed: (12,), of the rolling speed.
-        by_patch, by_own: (3, 12), of the creepages of a patch and of a strip.
+        by_patch: (2, 12), of the longitudinal and lateral creepage of a patch.
         of_patch, by_strip, by_force: (7, 12), (2, 12) and (4, 12), zero.
     """
 
@@ -187,12 +189,13 @@ class Derivation(NamedTuple):
     slopes: Array
     lanes: Array
     bounds: Array
-    by_point: Array
-    by_axes: Array
+    creepage: Array
+    by_creepage: Array
+    by_points: Array
+    by_frames: Array
     reference: Array
     by_speed: Array
     by_patch: Array
-    by_own: Array
     of_patch: Array
     by_strip: Array
     by_force: Array
@@ -235,12 +238,13 @@ def force_derivatives(
         np.zeros((n, 3, 3)),
         np.empty(END),
         dome / top,
-        np.empty((3, MOTIONS)),
-        np.empty((3, 3, MOTIONS)),
+        np.empty((n, 3)),
+        np.empty((n, 3, CHANGES)),
+        np.empty((n + 1, 3, MOTIONS)),
+        np.empty((n + 1, 3, 3, MOTIONS)),
         np.empty((3, MOTIONS)),
         np.empty(CHANGES),
-        np.empty((3, CHANGES)),
-        np.empty((3, CHANGES)),
+        np.empty((2, CHANGES)),
         np.zeros((7, CHANGES)),
         np.zeros((2, CHANGES)),
         np.zeros((4, CHANGES)),
@@ -276,8 +280,8 @@ def add_derivatives(
     (origin, rotation), (middles, peaks), (elastic, mu, top), (by_zones, by_strips) = pose, frames, of_pair, of_regions
     increments, resultants, all_slopes, bounds = work.increments, work.resultants, work.slopes, work.bounds
     lanes = work.lanes
-    by_point, by_axes, reference, by_speed = work.by_point, work.by_axes, work.reference, work.by_speed
-    by_patch, by_own, of_patch = work.by_patch, work.by_own, work.of_patch
+    by_points, by_frames, reference, by_speed = work.by_points, work.by_frames, work.reference, work.by_speed
+    creepage, by_creepage, by_patch, of_patch = work.creepage, work.by_creepage, work.by_patch, work.of_patch
     by_strip, by_force = work.by_strip, work.by_force
     at = v.wheel_at
     rigid_motions(at[0] - origin[0], at[1] - origin[1], at[2] - origin[2], False, reference)
@@ -293,14 +297,32 @@ def add_derivatives(
                 of_patch[0, q] -= 4.0 / 3.0 * half * half * (3.0 * width * by_half + half * by_width)
             stop += 1
         point, axes, place = peaks.point[c], peaks.axes[c], (zones.peak[c], zones.peak_x[c])
-        by_place = by_zones.contacts[c, :2]
+        by_place, by_point, by_axes = by_zones.contacts[c, :2], by_points[n], by_frames[n]
         surface_derivatives(wheel, radius, origin, rotation, place, by_place, (point, axes), by_point, by_axes)
         speed = rolling_speed(v, point, axes[0])
         component_derivatives(v, (-0.5, -0.5), reference, point, by_point, axes[0], by_axes[0], by_speed)
         a, b, load, weight = strips.along[c], strips.across[c], strips.load[c], zones.weight[c]
-        xi, eta, phi = creepages(v, point, axes, speed)
-        own = (xi, eta, phi)
-        creepage_derivatives(v, reference, point, by_point, axes, by_axes, (speed, by_speed), own, by_patch)
+        xi, eta, _ = mean_creepages(strips, (start, stop), middles, v, speed, creepage)
+        by_patch[:] = 0.0
+        for i in range(start, stop):
+            half, width, point, axes = strips.half[i], strips.width[i], middles.point[i], middles.axes[i]
+            place, by_place, by_point, by_axes = (
+                (strips.s[i], strips.x[i]),
+                by_strips.strips[i],
+                by_points[i],
+                by_frames[i],
+            )
+            surface_derivatives(wheel, radius, origin, rotation, place, by_place, (point, axes), by_point, by_axes)
+            own, by_own = (creepage[i, 0], creepage[i, 1], creepage[i, 2]), by_creepage[i]
+            creepage_derivatives(v, reference, point, by_point, axes, by_axes, (speed, by_speed), own, by_own)
+            share = 0.5 * np.pi * strips.scale[i] * half * half * width / load  # of the patch's normal force
+            for q in range(CHANGES):
+                by_patch[0, q] += share * by_own[0, q]
+                by_patch[1, q] += share * by_own[1, q]
+            for q in range(MOTIONS):
+                by_share = share * (2.0 * by_strips.strips[i, 3, q] / half + by_strips.strips[i, 2, q] / width)
+                by_patch[0, q] += by_share * (own[0] - xi)
+                by_patch[1, q] += by_share * (own[1] - eta)
         kalker, kalker_slopes = coefficients(elastic.table, a / b), coefficient_slopes(elastic.table, a / b)
         flexible = foundation(a, b, elastic.G, kalker)
         # logarithmic derivatives: of the bound but for the half length, of the three flexibilities; then the parts of
@@ -320,15 +342,12 @@ def add_derivatives(
         if mu > 0.0:
             for i in range(start, stop):
                 bound = mu * load / volume * strips.half[i] ** 2 * top
-                own = creepages(v, middles.point[i], middles.axes[i], speed)
+                own = (creepage[i, 0], creepage[i, 1], creepage[i, 2])
                 along, across, turn = strip_increments(flexible, (xi, eta), own, strips.half[i], bound)
                 increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
             strip_slopes(increments[start:stop], bounds, resultants[start:stop], all_slopes[start:stop], lanes)
         for i in range(start, stop):
-            half, width = strips.half[i], strips.width[i]
-            point, axes, place = middles.point[i], middles.axes[i], (strips.s[i], strips.x[i])
-            by_place = by_strips.strips[i, :2]
-            surface_derivatives(wheel, radius, origin, rotation, place, by_place, (point, axes), by_point, by_axes)
+            half, width, by_own = strips.half[i], strips.width[i], by_creepage[i]
             normal = 0.5 * np.pi * strips.scale[i] * half * half * width
             for q in range(MOTIONS):
                 by_force[2, q] = 0.5 * np.pi * by_strips.strips[i, 4, q] * weight + normal * of_patch[6, q]
@@ -336,8 +355,7 @@ def add_derivatives(
             if mu > 0.0:
                 bound = mu * load / volume * half * half * top
                 scale = 2.0 * half * width * bound
-                wx, wy, spin = own = creepages(v, point, axes, speed)
-                creepage_derivatives(v, reference, point, by_point, axes, by_axes, (speed, by_speed), own, by_own)
+                wx, wy, spin = creepage[i, 0], creepage[i, 1], creepage[i, 2]
                 gx = xi / flexible.along + (wx - xi) / flexible.spin
                 gy = eta / flexible.across + (wy - eta) / flexible.spin
                 gs = spin / flexible.spin
@@ -361,7 +379,7 @@ def add_derivatives(
                     by_force[1, q] = size * (slopes[1, 0] * ex + slopes[1, 1] * ey + slopes[1, 2] * es) + y * grow
                     by_turn = slopes[2, 0] * ex + slopes[2, 1] * ey + slopes[2, 2] * es
                     by_force[3, q] = half * size * by_turn + turn * (grow + weight * by_half)
-            add_strip(point, axes, values, by_point, by_axes, by_force, tangent)
+            add_strip(middles.point[i], middles.axes[i], values, by_points[i], by_frames[i], by_force, tangent)
         start = stop
 
 

@@ -45,7 +45,7 @@ class RollingPatch(NamedTuple):
 
     Parameters:
         speed: rolling speed, m/s.
-        creepages: longitudinal, lateral, and spin 1/m, at the point of largest penetration.
+        creepages: longitudinal, lateral, and spin 1/m, means of the strips by their normal forces.
         semi_axes: along and across, of the ellipse with the pressure's second moments, m.
         load: normal force, N.
         paraboloid: factor of FASTSIM's traction bound, Pa/m2.
@@ -90,26 +90,59 @@ class StripTractions(NamedTuple):
 
 
 @borrowing
+def mean_creepages(
+    strips: StripPressures,
+    own: tuple[int, int],
+    middles: StripFrames,
+    v: RigidVelocities,
+    speed: float,
+    creepage: Array,
+) -> tuple[float, float, float]:
+    """Means of longitudinal and lateral creepage and of spin 1/m over a patch, by the normal forces of its strips.
+
+    Parameters:
+        strips: pressures.
+        own: first strip of the patch, and one past the last.
+        middles: frames in the middles of the strips.
+        v: rigid motion of wheel and rail.
+        speed: rolling speed, m/s.
+        creepage: (n, 3), of the strips, those of this patch are filled.
+
+    A surface is curved across a wide patch. Where it sticks, the force of a strip is in proportion to its creepage and
+    to the square of its length, as its normal force is, so that the force of the patch is that of the mean.
+    """
+    total, xi, eta, phi = 0.0, 0.0, 0.0, 0.0
+    for i in range(*own):
+        load = strips.half[i] * strips.half[i] * strips.width[i]
+        wx, wy, spin = creepages(v, middles.point[i], middles.axes[i], speed)
+        creepage[i, 0], creepage[i, 1], creepage[i, 2] = wx, wy, spin
+        total, xi, eta, phi = total + load, xi + load * wx, eta + load * wy, phi + load * spin
+    return xi / total, eta / total, phi / total
+
+
+@borrowing
 def rolling_patch(
     strips: StripPressures,
     contact: int,
-    start: int,
-    stop: int,
-    peaks: StripFrames,
+    own: tuple[int, int],
+    frames: tuple[StripFrames, StripFrames],
     v: RigidVelocities,
     elastic: PairElasticity,
+    creepage: Array,
 ) -> RollingPatch:
-    """Rolling contact of the patch that consists of the strips from start up to stop."""
+    """Rolling contact of a patch; frames at the strips, and at the maxima of the penetration, where the rolling speed
+    is taken; other parameters are those of `mean_creepages`.
+    """
     volume = 0.0
-    for i in range(start, stop):
+    for i in range(*own):
         volume += 4.0 / 3.0 * strips.half[i] ** 3 * strips.width[i]
-    point, axes = peaks.point[contact], peaks.axes[contact]
-    speed = rolling_speed(v, point, axes[0])
+    middles, peaks = frames
+    speed = rolling_speed(v, peaks.point[contact], peaks.axes[contact, 0])
     a, b, load = strips.along[contact], strips.across[contact], strips.load[contact]
     kalker = coefficients(elastic.table, a / b)
     return RollingPatch(
         speed,
-        creepages(v, point, axes, speed),
+        mean_creepages(strips, own, middles, v, speed, creepage),
         (a, b),
         load,
         load / volume,
@@ -186,21 +219,21 @@ def slip_velocities(
     strips: StripPressures, contacts: int, middles: StripFrames, peaks: StripFrames, v: RigidVelocities, m: int
 ) -> tuple[Array, Array]:
     """Rigid slip velocities on the m cells of n strips (n m,), and of the contacts as a whole (contacts,), m/s."""
-    n = len(strips.s)
-    cells, whole = np.zeros(n * m), np.zeros(contacts)
+    n, stop = len(strips.s), 0
+    cells, whole, creepage = np.zeros(n * m), np.zeros(contacts), np.empty((n, 3))
     for c in range(contacts):
+        start = stop
+        while stop < n and strips.contact[stop] == c:
+            stop += 1
         speed = rolling_speed(v, peaks.point[c], peaks.axes[c, 0])
         if not speed > 0.0:
             continue
-        xi, eta, phi = creepages(v, peaks.point[c], peaks.axes[c], speed)
+        xi, eta, phi = mean_creepages(strips, (start, stop), middles, v, speed, creepage)
         whole[c] = speed * np.hypot(xi, effective(eta, phi, strips.along[c]))
-        for i in range(n):
-            if strips.contact[i] != c:
-                continue
-            wx, wy, spin = creepages(v, middles.point[i], middles.axes[i], speed)
+        for i in range(start, stop):
             for j in range(m):
                 x = strips.half[i] * ((2.0 * j + 1.0) / m - 1.0)
-                cells[i * m + j] = speed * np.hypot(wx, wy + spin * x)
+                cells[i * m + j] = speed * np.hypot(creepage[i, 0], creepage[i, 1] + creepage[i, 2] * x)
     return cells, whole
 
 
@@ -273,7 +306,7 @@ def strip_forces(
         strips: pressures.
         share: (k,), weights of the contacts' areas.
         middles: frames in the middles of the n strips.
-        peaks: frames at the k maxima of the penetration, where the contacts' creepages are taken.
+        peaks: frames at the k maxima of the penetration, where the contacts' rolling speeds are taken.
         v: rigid motion of wheel and rail.
         elastic: constants of both bodies.
         tangential: method and friction coefficients.
@@ -295,12 +328,12 @@ def strip_forces(
         np.zeros(n * m, dtype=np.bool_),
     )
     arch, dome = half_ellipse_means(m)
-    start = 0
+    start, all_creepages = 0, np.empty((n, 3))
     for c in range(k):
         stop = start
         while stop < n and strips.contact[stop] == c:
             stop += 1
-        patch = rolling_patch(strips, c, start, stop, peaks, v, elastic)
+        patch = rolling_patch(strips, c, (start, stop), (middles, peaks), v, elastic, all_creepages)
         cells.speed[c] = patch.speed
         rolls = tangential.method != NO_FRICTION and patch.speed > 0.0
         force = (0.0, 0.0)
@@ -312,7 +345,7 @@ def strip_forces(
                 continue
             own, half = slice(i * m, (i + 1) * m), strips.half[i]
             traction, slip = cells.traction[own], cells.slip[own]
-            creepage = creepages(v, middles.point[i], middles.axes[i], patch.speed)
+            creepage = all_creepages[i, 0], all_creepages[i, 1], all_creepages[i, 2]
             if tangential.method == FASTSIM:
                 fastsim_strip(patch, half, creepage, tangential.of_cells[own], dome, traction, slip)
             else:

@@ -36,20 +36,22 @@ class StripPressures(NamedTuple):
 
 
 @borrowing
-def moments(s: Array, width: Array, half: Array) -> tuple[float, float]:
-    """Semi-axes m, along and across, of the ellipse whose Hertz pressure has the same second moments as strips.
+def moments(s: Array, x: Array, width: Array, half: Array) -> tuple[float, float, float, float]:
+    """Centre m, as s and x, and semi-axes m, along and across, of the ellipse whose Hertz pressure has the same first
+    and second moments as strips.
 
-    s (n,) m, width (n,) m and half length (n,) m.
+    s, x, width and half length (n,) m.
     """
-    total, first, second, along = 0.0, 0.0, 0.0, 0.0
+    total, first, first_x, second, along = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(len(s)):
         load = half[i] * half[i] * width[i]
         total += load
         first += load * s[i]
+        first_x += load * x[i]
         along += load * half[i] * half[i]
     for i in range(len(s)):
         second += half[i] * half[i] * width[i] * (s[i] - first / total) ** 2
-    return np.sqrt(1.25 * along / total), np.sqrt(5.0 * second / total)
+    return first / total, first_x / total, np.sqrt(1.25 * along / total), np.sqrt(5.0 * second / total)
 
 
 @compiled
@@ -57,8 +59,8 @@ def virtual_penetration(zones: PenetrationRegions, E_star: float) -> StripPressu
     """Piotrowski and Kik's pressure on the interpenetration regions, with shape correction.
 
     The deflection at the deepest point equals the penetration there. An elliptic region is too slender: length and
-    width are scaled at constant area to the ratio of semi-axes that Hertz gives for the same curvatures. Non-elliptic
-    regions by their second moments.
+    width are scaled about the centre of the normal force, at constant area, to the ratio of semi-axes that Hertz gives
+    for the same curvatures. Non-elliptic regions by their second moments.
     """
     s, x, width, half = (
         zones.s.copy(),
@@ -74,14 +76,14 @@ def virtual_penetration(zones: PenetrationRegions, E_star: float) -> StripPressu
         while stop < len(s) and zones.contact[stop] == c:
             stop += 1
         own = slice(start, stop)
-        a, b = moments(s[own], width[own], half[own])
+        middle, middle_x, a, b = moments(s[own], x[own], width[own], half[own])
         curvatures = (b / a) ** 2
         k_hertz = axis_ratio(curvatures) if curvatures <= 1.0 else axis_ratio(1.0 / curvatures)
         stretch = np.sqrt((1.0 / k_hertz if curvatures <= 1.0 else k_hertz) * b / a)
         volume, potential = 0.0, 0.0
         for i in range(start, stop):
             away = (s[i] - zones.peak[c]) / stretch
-            s[i], x[i] = zones.peak[c] + away, zones.peak_x[c] + (x[i] - zones.peak_x[c]) / stretch
+            s[i], x[i] = middle + (s[i] - middle) / stretch, middle_x + (x[i] - middle_x) / stretch
             half[i], width[i] = half[i] * stretch, width[i] / stretch
             volume += 0.5 * np.pi * half[i] * half[i] * width[i]
             potential += strip_potential(half[i], abs(away)) * width[i]
@@ -116,7 +118,8 @@ def hertzian(zones: PenetrationRegions, E_star: float) -> StripPressures:
         own = slice(start, stop)
         loads = zones.penetration[own] * zones.radius[own] * zones.width[own]
         radius = (loads * zones.radius[own]).sum() / loads.sum()
-        _, wide = moments(zones.s[own], zones.width[own], np.sqrt(2.0 * zones.penetration[own] * zones.radius[own]))
+        long = np.sqrt(2.0 * zones.penetration[own] * zones.radius[own])
+        wide = moments(zones.s[own], zones.x[own], zones.width[own], long)[3]
         a, b, peak = ellipse(0.5 / radius, VIRTUAL * zones.depth[c] / wide**2, zones.depth[c], E_star)
         load[c], along[c], across[c] = 2.0 / 3.0 * np.pi * peak * a * b, a, b
         for sign in (-1.0, 1.0):

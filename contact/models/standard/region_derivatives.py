@@ -16,12 +16,14 @@ from wheelrail.contact.geometry.interpenetration import (
     MIN_PENETRATION,
     MIN_SLOPE_COSINE,
     POSITIONS,
-    SEPARATION,
     VIRTUAL,
     WIDTHS,
     WheelRegions,
+    covered,
+    extends,
     half_limit,
     merging_weights,
+    saddle_between,
 )
 from wheelrail.contact.geometry.rigid_search import deepest
 from wheelrail.contact.geometry.wheel_surface import Place
@@ -85,8 +87,9 @@ def at_line(
     x: float,
     sample: int,
     rows: Array,
-) -> int:
-    """Fill derivatives of the penetration, its slope, and x at the lowest point of a line; the rail's nearest sample.
+) -> tuple[int, float]:
+    """Fill derivatives of the penetration, its slope, and x at the lowest point of a line; the rail's nearest sample,
+    and the penetration m.
 
     Parameters:
         wheel, rail: shapes of the profiles.
@@ -129,7 +132,7 @@ def at_line(
     for i in range(1, 1 + MOTIONS):
         rows[2, i] /= -xx
         rows[1, i] += sx * rows[2, i]
-    return sample
+    return sample, -height
 
 
 @borrowing
@@ -139,60 +142,6 @@ def stationary_derivatives(rows: Array, columns: Array) -> None:
         moved = -rows[1, 1 + i] / rows[1, 0]
         columns[0, i], columns[1, i] = moved, rows[0, 1 + i]
         columns[2, i] = rows[2, 1 + i] + rows[2, 0] * moved
-
-
-@borrowing
-def fade_pair(t: float) -> tuple[float, float]:
-    """`wheelrail.contact.geometry.interpenetration.fade` and its derivative."""
-    t = min(max(t, 0.0), 1.0)
-    return t * t * (3.0 - 2.0 * t), 6.0 * t * (1.0 - t)
-
-
-@unchecked
-def merging_derivatives(top: Array, low: Array, merge: float, by_top: Array, by_low: Array) -> tuple[Array, Array]:
-    """Derivatives (k, 6) and (k, k, 6) of `merging_weights` from those (k, 3, 6), (k - 1, 3, 6) of its arguments."""
-    n = len(top)
-    weight, _ = merging_weights(top, low, merge)
-    by_weight, by_reach = np.zeros((n, MOTIONS)), np.zeros((n, n, MOTIONS))
-    for i in range(n):
-        for j in range(n):
-            if i == j:
-                continue
-            height, other = top[i, 1], top[j, 1]
-            first = min(i, j)
-            for k in range(min(i, j), max(i, j)):
-                if low[k, 1] < low[first, 1]:
-                    first = k
-            minimum, lower = low[first, 1], min(height, other)
-            valley = lower - minimum
-            lowest = i if height <= other else j
-            sign = 1.0 if top[i, 0] > top[j, 0] else -1.0
-            apart, apart_slope = fade_pair((abs(top[i, 0] - top[j, 0]) / merge - 1.0) / (SEPARATION - 1.0))
-            deep, deep_slope = fade_pair(valley / (VIRTUAL * lower))
-            dominated, dominated_slope = (
-                fade_pair(0.5 + 0.5 * (other - height) / valley) if valley > 0.0 else (1.0 * (other > height), 0.0)
-            )
-            factor = 1.0 - (1.0 - deep * apart) * dominated
-            level = (1.0 - VIRTUAL) * height
-            shallow, shallow_slope = fade_pair((minimum - level) / (other - level)) if other > level else (0.0, 0.0)
-            for k in range(MOTIONS):
-                by_minimum = by_low[first, 1, k] if minimum > 0.0 else 0.0
-                by_lower, by_height, by_other = by_top[lowest, 1, k], by_top[i, 1, k], by_top[j, 1, k]
-                by_apart = apart_slope * sign * (by_top[i, 0, k] - by_top[j, 0, k]) / merge / (SEPARATION - 1.0)
-                by_valley = by_lower - by_minimum
-                by_deep = deep_slope * (by_valley - valley * by_lower / lower) / (VIRTUAL * lower)
-                by_dominated = 0.0
-                if valley > 0.0:
-                    by_dominated = 0.5 * (by_other - by_height - (other - height) * by_valley / valley) / valley
-                by_dominated *= dominated_slope
-                by_factor = (by_deep * apart + deep * by_apart) * dominated - (1.0 - deep * apart) * by_dominated
-                by_weight[i, k] += weight[i] / factor * by_factor if factor > 0.0 else 0.0
-                if other > level:
-                    by_level = (1.0 - VIRTUAL) * by_height
-                    by_shallow = by_minimum - by_level - (minimum - level) * (by_other - by_level) / (other - level)
-                    by_shallow *= shallow_slope / (other - level)
-                    by_reach[i, j, k] = by_shallow * apart - (1.0 - shallow) * by_apart
-    return by_weight, by_reach
 
 
 @unchecked
@@ -222,14 +171,13 @@ def region_derivatives(
     rows = np.empty((3, 1 + MOTIONS))
     near = -1
     for k in range(count):
-        near = at_line(wheel, rail, radius, origin, rotation, top[k, 0], top[k, 2], near, rows)
+        near, _ = at_line(wheel, rail, radius, origin, rotation, top[k, 0], top[k, 2], near, rows)
         stationary_derivatives(rows, by_top[k])
     for k in range(count - 1):
         if low[k, 1] > 0.0:
-            near = at_line(wheel, rail, radius, origin, rotation, low[k, 0], low[k, 2], near, rows)
+            near, _ = at_line(wheel, rail, radius, origin, rotation, low[k, 0], low[k, 2], near, rows)
             stationary_derivatives(rows, by_low[k])
-    weight, reach = merging_weights(top, low, merge)
-    by_weight, by_reach = merging_derivatives(top, low, merge, by_top, by_low)
+    weight, by_weight = merging_weights(top, low, merge, by_top, by_low)
     by_contacts, by_strips = np.empty((len(regions.contacts), 4, MOTIONS)), np.empty((len(strips), 5, MOTIONS))
     by_edge = np.empty(MOTIONS)
     contact, half = 0, 0
@@ -240,34 +188,44 @@ def region_derivatives(
             by_contacts[contact, 0, c], by_contacts[contact, 1, c] = by_top[k, 0, c], by_top[k, 2, c]
             by_contacts[contact, 2, c], by_contacts[contact, 3, c] = by_top[k, 1, c], by_weight[k, c]
         for j in range(count):
-            if reach[k, j] <= 0.0:
+            if not extends(top, low, k, j, merge):
                 continue
+            level, saddle, valley = (1.0 - VIRTUAL) * top[k, 1], 0, np.inf
+            if j != k:
+                saddle = saddle_between(low, k, j)
+                valley = low[saddle, 1] - level
             for direction in (-1, 1):
                 edge = regions.edges[half]
                 by_edge[:] = 0.0
                 if edge != half_limit(lines, low, j, direction):  # where the penetration equals the level
                     x = strips[half * m + m - 1, 1]  # of the outermost strip
                     _, _, x, near = deepest(wheel, rail, radius, origin, rotation, edge, x, near)
-                    near = at_line(wheel, rail, radius, origin, rotation, edge, x, near, rows)
+                    near, _ = at_line(wheel, rail, radius, origin, rotation, edge, x, near, rows)
                     for c in range(MOTIONS):
                         by_edge[c] = ((1.0 - VIRTUAL) * by_top[k, 1, c] - rows[0, 1 + c]) / rows[0, 0]
                 elif 0 <= j + min(direction, 0) < count - 1:
                     by_edge[:] = by_low[j + min(direction, 0), 0]
                 for q in range(m):
                     i = half * m + q
-                    near = at_line(wheel, rail, radius, origin, rotation, strips[i, 0], strips[i, 1], near, rows)
-                    z, t, change = local(wheel, strips[i, 0], piece(wheel, strips[i, 0]))
+                    s, x = strips[i, 0], strips[i, 1]
+                    near, depth = at_line(wheel, rail, radius, origin, rotation, s, x, near, rows)
+                    z, t, change = local(wheel, s, piece(wheel, s))
+                    away = s - top[k, 0]
+                    of_region = covered(depth - level, valley, abs(away), merge)
+                    if of_region[0] <= MIN_PENETRATION:
+                        of_region = (0.0, 0.0, 0.0, 0.0)
                     for c in range(MOTIONS):
                         by_half = by_edge[c] - by_top[j, 0, c]
                         moved = by_top[j, 0, c] + by_half * POSITIONS[q]
                         by_strips[i, 0, c], by_strips[i, 1, c] = moved, rows[2, 1 + c] + rows[2, 0] * moved
                         by_strips[i, 2, c] = direction * by_half * WIDTHS[q]
-                        by_depth = rows[0, 1 + c] + rows[0, 0] * moved - (1.0 - VIRTUAL) * by_top[k, 1, c]
-                        by_strips[i, 3, c] = reach[k, j] * by_depth
-                        if by_reach[k, j, c] != 0.0:
-                            by_strips[i, 3, c] += by_reach[k, j, c] * strips[i, 3] / reach[k, j]
-                        if strips[i, 3] <= MIN_PENETRATION:
-                            by_strips[i, 3, c] = 0.0
+                        by_level = (1.0 - VIRTUAL) * by_top[k, 1, c]
+                        by_depth = rows[0, 1 + c] + rows[0, 0] * moved - by_level
+                        by_strips[i, 3, c] = of_region[1] * by_depth
+                        if of_region[2] != 0.0:
+                            by_strips[i, 3, c] += of_region[2] * (by_low[saddle, 1, c] - by_level)
+                        if of_region[3] != 0.0:
+                            by_strips[i, 3, c] += of_region[3] * np.sign(away) * (moved - by_top[k, 0, c])
                         by_strips[i, 4, c] = t.imag / max(t.real, MIN_SLOPE_COSINE) * moved
                         if t.real > MIN_SLOPE_COSINE:
                             by_strips[i, 4, c] -= (z.imag + radius) * change.real / t.real**2 * moved

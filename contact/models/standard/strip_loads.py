@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
-from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, creepages
+from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.forces import (
     FASTSIM,
@@ -52,12 +52,12 @@ def strip_loads(
     dome, slowest, start = half_ellipse_means(cells)[1], np.inf, 0
     top = dome.max()
     bounds, increments, resultants = dome / top, np.empty((len(strips.s), 3)), np.empty((len(strips.s), 3))
-    lanes = np.empty(END)
+    lanes, creepage = np.empty(END), np.empty((len(strips.s), 3))
     for c in range(len(zones.peak)):
         stop = start
         while stop < len(strips.s) and strips.contact[stop] == c:
             stop += 1
-        patch = rolling_patch(strips, c, start, stop, peaks, v, elastic)
+        patch = rolling_patch(strips, c, (start, stop), (middles, peaks), v, elastic, creepage)
         slowest = min(slowest, patch.speed)
         rolls = method != NO_FRICTION and patch.speed > 0.0
         creep_force = (0.0, 0.0)
@@ -66,7 +66,7 @@ def strip_loads(
         if rolls and method == FASTSIM:
             for i in range(start, stop):
                 half = strips.half[i]
-                own = creepages(v, middles.point[i], middles.axes[i], patch.speed)
+                own = creepage[i, 0], creepage[i, 1], creepage[i, 2]
                 bound, creep = mu * patch.paraboloid * half * half * top, (patch.creepages[0], patch.creepages[1])
                 along, across, turn = strip_increments(patch.flexibility, creep, own, half, bound)
                 increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
