@@ -98,14 +98,15 @@ def find_depth_for_load(
     for trial in range(1, MAX_SOLVES + 1):
         check_interrupt()
         results = contact(depth, guess)
-        penetration = max(result.approach for result in results)
         if not all(result.ok for result in results):
+            penetration = max((result.approach for result in results if result.approach > 0.0), default=0.0)
             above, failed = min(above, depth), results
             if above - below < 1e-3 * expected:
                 check(results)
             depth = 0.5 * (below + above) if np.isfinite(below) else depth - max(penetration, stride)
             stride = 2.0 * stride
             continue
+        penetration = max(result.approach for result in results)
         guess, force = results, vertical(results)
         value, error = compliant(force), abs(force - load) / load
         gap = max(-penetration, 0.0)

@@ -283,8 +283,8 @@ class ContactResult:
         return cls(np.zeros(3), np.zeros(3), approach=approach)
 
     @classmethod
-    def failed(cls, reason: str, approach: float = 0.0) -> ContactResult:
-        """A failed solve and its reason."""
+    def failed(cls, reason: str, approach: float = np.nan) -> ContactResult:
+        """A failed solve, its reason, and its approach m where this is known."""
         return replace(cls.separated(approach), status=f"failed: {reason}")
 
     def tangent(self) -> Array:

@@ -39,10 +39,10 @@ def test_your_own_measured_profile() -> None:
 
 
 def test_hunting() -> None:
-    """The standard contact is unstable from 63.7 m/s on; its load turns back at the hand-over of two contacts."""
+    """The standard contact is unstable from 66.9 m/s on; its load moves as that of elastic bodies."""
     names = executed(
         "08_hunting.py",
-        SPEEDS=(62.0, 66.0),
+        SPEEDS=(64.0, 69.0),
         SHIFTS=(0.1, 0.2, 0.3),
         STRIPS=6,
         CELLS=6,
@@ -51,11 +51,11 @@ def test_hunting() -> None:
         PLACES=2,
     )
     growth = names["growth"]
-    assert growth.loc[62.0, "standard"] < 0.0 < growth.loc[66.0, "standard"]
+    assert growth.loc[64.0, "standard"] < 0.0 < growth.loc[69.0, "standard"]
     assert (growth["elastic"] < 0.0).all()
-    assert names["critical"].loc["standard", "mean"] == pytest.approx(63.72, abs=0.02)
+    assert names["critical"].loc["standard", "mean"] == pytest.approx(66.89, abs=0.02)
     assert len(names["by_place"]["elastic"]) == 2
     moves = {name: np.diff(places) for name, places in names["centres"].items()}  # mm for 0.1 mm
-    assert moves["standard"][0] < -0.1 < 0.1 < moves["standard"][1]
     assert (moves["elastic"] < -0.4).all()
+    np.testing.assert_allclose(moves["standard"], moves["elastic"], rtol=0.25)
     assert names["run"].status == "completed"

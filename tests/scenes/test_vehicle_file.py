@@ -122,8 +122,8 @@ def wheelrail(*arguments: str) -> str:
 def test_commands() -> None:
     curving = wheelrail("curving")
     assert "wheelset_4" in curving
-    assert "47.22  62.44" in curving
-    assert "63.72 m/s" in wheelrail("critical", "--from", "60", "--to", "66")
+    assert "47.23  62.43" in curving
+    assert "66.89 m/s" in wheelrail("critical", "--from", "63", "--to", "69")
     assert "no linear critical speed from 40 m/s to 45 m/s" in wheelrail("critical", "--from", "40", "--to", "45")
     assert "54.55  54.55" in wheelrail("equilibrium", "--speed", "30")
     assert "Linear modes on straight track at 30 m/s" in wheelrail("modes", "--speed", "30")

@@ -64,7 +64,7 @@ def _are_patches(value: Any) -> bool:
 def without_contacts(evaluation: VehicleEvaluation, reason: str) -> VehicleEvaluation:
     """The evaluation with NaN in place of all contact forces."""
     unknown = np.full(3, np.nan)
-    missing = replace(ContactResult.failed(reason, np.nan), force=unknown, moment=unknown)
+    missing = replace(ContactResult.failed(reason), force=unknown, moment=unknown)
     return replace(evaluation, contacts=dict.fromkeys(evaluation.contacts, dict.fromkeys(SIDES, missing)))
 
 

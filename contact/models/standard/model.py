@@ -36,6 +36,8 @@ from wheelrail.support.arrays import Array
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
 CELLS = 16  # along each strip
+LARGEST_PRESSURE = 0.1  # of E*: strains there are some per cent, the limit of linear elasticity
+TOO_DEEP = "the bodies overlap by {:.3g} mm, too deep: {:.3g} GPa are beyond linear elasticity, {:g} E* = {:.3g} GPa"
 CONFORMAL = "the surfaces conform: a semi-axis of {:.3g} mm is not on the bodies, whose extent is {:.3g} mm"
 
 
@@ -146,7 +148,8 @@ class StandardContact:
         if contacts is None:
             return ContactResult.separated(min(approach, 0.0))
         cells, strips = contacts.cells, contacts.strips
-        failure = self._failure(strips.along.max(), strips.across.max(), cells.speed.min())
+        extent, pressure = (strips.along.max(), strips.across.max()), (strips.scale * strips.half).max()
+        failure = self._failure(approach, extent, cells.speed.min(), pressure)
         if failure:
             return ContactResult.failed(failure, approach)
         return ContactResult(
@@ -185,11 +188,16 @@ class StandardContact:
     def _extent(self) -> tuple[float, float]:
         return self.surfaces.extent
 
-    def _failure(self, along: float, across: float, speed: float) -> str:
-        """Why a result with these largest semi-axes m and smallest rolling speed m/s is none; empty if it is one."""
-        for axis, largest in zip((along, across), self._extent, strict=True):
+    def _failure(self, approach: float, semi_axes: tuple[float, float], speed: float, pressure: float) -> str:
+        """Why a result with this approach m, largest semi-axes m, smallest rolling speed m/s and largest pressure Pa is
+        none; empty if it is one.
+        """
+        for axis, largest in zip(semi_axes, self._extent, strict=True):
             if not axis < largest:
                 return CONFORMAL.format(1e3 * axis, 1e3 * largest)
+        highest = LARGEST_PRESSURE * self.elasticity.E_star
+        if pressure > highest:
+            return TOO_DEEP.format(1e3 * approach, 1e-9 * pressure, LARGEST_PRESSURE, 1e-9 * highest)
         if self.method != NO_FRICTION and not speed > 0.0:
             return f"friction needs a positive rolling speed, got {speed:g} m/s; with mu = 0 any is allowed"
         return ""
@@ -202,7 +210,7 @@ class StandardContact:
 
     def _result(self, solved: SolvedWheels, i: int, values: list[float], force: Array, moment: Array) -> ContactResult:
         """Result of wheel i."""
-        approach, beyond, contacts, points, along, across, speed = values
+        approach, beyond, contacts, points, along, across, speed, pressure = values
         if beyond or not contacts:
             assert isinstance(self.surfaces, RigidWheelRail)
             try:
@@ -210,7 +218,7 @@ class StandardContact:
             except ValueError as error:
                 return ContactResult.failed(str(error))
             return ContactResult.separated(min(approach, 0.0))
-        failure = self._failure(along, across, speed)
+        failure = self._failure(approach, (along, across), speed, pressure)
         if failure:
             return ContactResult.failed(failure, approach)
         details = _Details(self, solved, i)

@@ -62,8 +62,9 @@ class WheelForces(NamedTuple):
 
     Parameters:
         wrench: (w, 6) force N and moment N m.
-        values: (w, 7), largest penetration m; 1 for a wheel that overlaps the rail at an end of a profile, otherwise 0;
-            numbers of contacts and of cells; largest semi-axes m along and across; smallest rolling speed m/s.
+        values: (w, 8), largest penetration m; 1 for a wheel that overlaps the rail at an end of a profile, otherwise 0;
+            numbers of contacts and of cells; largest semi-axes m along and across; smallest rolling speed m/s; largest
+            pressure Pa.
         starts: (w + 1, 6) first rows of each wheel in the arrays that follow.
         top, low, edges, contacts, contact, strips: those of `WheelRegions`, wheel after wheel.
     """
@@ -117,7 +118,7 @@ def store_force(
         p: of the pair.
         origin, rotation: (3,) m and (3, 3), pose of the wheel.
         v: rigid motion of wheel and rail.
-        wrench, values: (6,) and (7,), zeros.
+        wrench, values: (6,) and (8,), zeros.
     """
     found = wheel_regions(p.wheel, p.rail, p.radius, origin, rotation, p.lines, p.merge)
     values[0], values[1], values[2] = found.approach, 1.0 if found.beyond else 0.0, len(found.contacts)
@@ -129,6 +130,7 @@ def store_force(
         friction = p.method, p.mu, p.reduction, p.cells
         values[6] = strip_loads(strips, zones, middles, peaks, v, p.elastic, friction, wrench[:3], wrench[3:])
         values[4], values[5] = strips.along.max(), strips.across.max()
+        values[7] = (strips.scale * strips.half).max()
     return found
 
 
@@ -142,7 +144,7 @@ def wheel_forces(p: Parameters, pairs: WheelPairs, mirror: bool) -> WheelForces:
         mirror: whether forces and moments are those in the mirror y = 0; regions are those of the pairs.
     """
     w = len(pairs.origin)
-    wrench, values, starts = np.zeros((w, 6)), np.zeros((w, 7)), np.zeros((w + 1, 6), np.int64)
+    wrench, values, starts = np.zeros((w, 6)), np.zeros((w, 8)), np.zeros((w + 1, 6), np.int64)
     all_found = []
     for i in range(w):
         v = velocities_of(pairs.motion[i])

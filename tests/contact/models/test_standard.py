@@ -13,11 +13,12 @@ from wheelrail.contact.analytical.hertz import hertz
 from wheelrail.contact.analytical.kalker import kalker
 from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics, RigidWheelRail
 from wheelrail.contact.kinematics.frames import MIRROR, SIDES, RigidMotion, Side, Twist
-from wheelrail.contact.kinematics.wheelset_state import STATE_MIRRORED, WheelsetState
+from wheelrail.contact.kinematics.wheelset_state import STATE_MIRRORED, Mounting, WheelsetState
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.loading.load_search import find_depth_for_load
 from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.ellipse import axis_ratio, complete, ellipse, strip_potential
@@ -26,6 +27,7 @@ from wheelrail.contact.models.standard.polach import polach
 from wheelrail.contact.models.standard.pressure_derivatives import axis_ratio_slope, potential_slopes
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.meshes.profiles.named import named_profile
 
 V, FLAT = 10.0, (np.inf, np.inf)
 STATE = WheelsetState(
@@ -396,6 +398,43 @@ def test_contact_points_of_a_yawed_wheel_face_the_rail() -> None:
 
 def sweep(contact: WheelsetContact, ys: np.ndarray) -> np.ndarray:
     return np.array([contact(replace(STATE, y=y), "left").force for y in ys])
+
+
+# Lateral position mm of the load on the wheel and longitudinal force N of a centred wheelset on 60E1 at 1:40 shifted by
+# mm, 54.5 kN: this package's exact laws on 24 x 16 strips and cells on half-spaces.
+ELASTIC = {
+    -0.2: (1.564, -83.0),
+    0.0: (0.346, 759.0),
+    0.1: (-0.279, 1196.0),
+    0.2: (-0.912, 1643.0),
+    0.3: (-1.551, 2100.0),
+}
+
+
+def test_load_moves_as_that_of_elastic_bodies_where_a_hump_hands_over_to_another() -> None:
+    """At 06d44fc it turned back from -0.79 at 0.2 to -0.73 mm at 0.3 mm, and the force was -98 N there."""
+    rail = named_profile("60E1").inclined(0.025)
+    model = StandardContact(RigidWheelRail(named_profile("S1002"), rail, 0.46), ContactLaws(friction=0.3))
+    contact = WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
+    for shift, (place, force) in ELASTIC.items():
+        state = WheelsetState(y=1e-3 * shift, z=-2e-4, pitch_rate=30.0 / 0.46, speed=30.0)
+
+        def lowered(depth: float, _: object, at: WheelsetState = state) -> tuple[ContactResult, ...]:
+            return (contact(replace(at, z=-depth), "left"),)
+
+        (result,) = find_depth_for_load(lowered, 54546.0, expected=5e-5, start=2e-4).results
+        assert len(result.patches) == 1
+        assert 1e3 * result.patches[0].wheel_y == pytest.approx(place, abs=0.22)
+        assert result.force[0] == pytest.approx(force, abs=800.0)
+
+
+@pytest.mark.parametrize(("y", "z"), [(0.02, -1e-3), (0.01, -3e-4), (0.0, -1e-2)])
+def test_depths_beyond_linear_elasticity_are_named(y: float, z: float) -> None:
+    """At 06d44fc "converged" with 98 MN at y = 20 mm."""
+    result = wheel_on_rail()(replace(STATE, y=y, z=z, yaw=0.0), "left")
+    assert result.status.startswith("failed: the bodies overlap by ")
+    assert result.status.endswith(" GPa are beyond linear elasticity, 0.1 E* = 11.5 GPa")
+    assert result.approach > 3e-3
 
 
 @pytest.mark.parametrize("normal", ["hertz", "kik-piotrowski"])
