@@ -19,7 +19,7 @@
 # example is Manchester benchmark vehicle 1 in three dimensions, with S1002 wheels on 60E1 rails inclined at 1:40.
 #
 # Two contacts are compared: the standard contact of multibody codes (Kik-Piotrowski and FASTSIM), and elastic bodies.
-# Their critical speeds differ by 15 m/s, for a reason that can be seen in the contact of the centred wheel.
+# Their critical speeds differ by 13 m/s, for a reason that can be seen in the contact of the centred wheel.
 
 # %%
 from dataclasses import replace
@@ -122,9 +122,9 @@ critical.round(2)
 # contact and elastic bodies both carry the load in one patch, and its centre moves alike, by 6 mm for a millimetre of
 # lateral displacement. This motion steers a nearly centred wheelset. How the load is spread within the patch steers it,
 # too: virtual penetration gives the lower hump half of the load that elastic bodies put there, and hands the load over
-# to it faster, so that longitudinal forces rise by 6.0 instead of 4.3 kN for a millimetre. Where a program takes
+# to it faster, so that longitudinal forces rise by 5.6 instead of 4.3 kN for a millimetre. Where a program takes
 # the deepest point as the contact's place, its load turns back between 0.1 and 0.3 mm, and the critical speed is lower
-# by another 3 to 7 m/s: compare critical speeds of programs with this figure beside them.
+# by another 6.7 m/s: compare critical speeds of programs with this figure beside them.
 
 
 # %%
@@ -147,13 +147,12 @@ ax.legend()
 # %% [markdown]
 # ## A motion after a kick
 #
-# 70 m/s with the standard contact, above its critical speed of 66.9 m/s: bogies are kicked sideways by 0.1 and 0.07
-# m/s. The motion settles at a limit cycle of 0.9 mm at the leading wheelset of each bogie. Large ones from flange to
-# flange need a stronger kick and a higher speed;
+# 75 m/s with the standard contact, above its critical speed of 69.2 m/s: bogies are kicked sideways by 0.1 and 0.07
+# m/s. The motion grows towards a limit cycle. Large ones from flange to flange need a stronger kick and a higher speed;
 # `wheelrail hunting` follows them over descending speeds.
 
 # %%
-fast = replace(dynamics["standard"], speed=70.0)
+fast = replace(dynamics["standard"], speed=75.0)
 start = kicked(fast.coordinates, equilibrium(fast).state, {"front_bogie": 0.1, "rear_bogie": 0.07})
 run = simulate(fast, (0.0, DURATION), initial=start)
 fig, ax = plt.subplots(figsize=(6.4, 3.0), layout="constrained")

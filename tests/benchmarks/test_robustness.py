@@ -125,7 +125,7 @@ def test_flange_climb_ends_the_run() -> None:
 @pytest.mark.parametrize(
     ("rates", "limits", "says"),
     [
-        ({"wheelset_y": 4.0}, Limits(), "the wheelset has left the rails: both wheels are at least 3"),
+        ({"wheelset_y": 4.0}, Limits(), "the wheelset has left the rails to the right: lateral shift 4"),
         ({"wheelset_y": 2.0}, Limits(shift=0.012), "the wheelset has left the rails to the right: lateral shift 1"),
     ],
 )

@@ -2,9 +2,9 @@
 
 J. J. Kalker, Vehicle System Dynamics 11 (1982) 1-13, doi:10.1080/00423118208968684. Three flexibilities, one each for
 longitudinal and lateral creepage and for spin, from the coefficients of the ellipse with the patch's second moments;
-tractions are bounded by friction times P (half^2 - x^2) on a strip of that half length, a paraboloid of the patch's
-load on an ellipse, as Kalker's. Integration in the slip zone is of second order: 16 cells are as accurate as 64 are
-with steps of first order.
+tractions are bounded by friction times a parabola along each strip with the strip's normal force: Kalker's paraboloid
+has the patch's, so that strips at its sides slide with less than friction times their load, those in its middle with
+more. Integration in the slip zone is of second order: 16 cells are as accurate as 64 are with steps of first order.
 """
 
 from __future__ import annotations

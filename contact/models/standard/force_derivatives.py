@@ -15,7 +15,7 @@ from wheelrail.contact.geometry.interpenetration import PenetrationRegions
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, rolling_speed
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
 from wheelrail.contact.models.standard.fastsim import foundation
-from wheelrail.contact.models.standard.forces import StripFrames, half_ellipse_means, mean_creepages
+from wheelrail.contact.models.standard.forces import PARABOLA, StripFrames, half_ellipse_means, mean_creepages
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.pressure_derivatives import PressureDerivatives
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives, rigid_motions
@@ -181,7 +181,7 @@ class Derivation(NamedTuple):
         reference: (3, 6).
         by_speed: (12,), of the rolling speed.
         by_patch: (2, 12), of the longitudinal and lateral creepage of a patch.
-        of_patch, by_strip, by_force: (7, 12), (2, 12) and (4, 12), zero.
+        of_patch, by_strip, by_force: (6, 12), (3, 12) and (4, 12), zero.
     """
 
     increments: Array
@@ -245,8 +245,8 @@ def force_derivatives(
         np.empty((3, MOTIONS)),
         np.empty(CHANGES),
         np.empty((2, CHANGES)),
-        np.zeros((7, CHANGES)),
-        np.zeros((2, CHANGES)),
+        np.zeros((6, CHANGES)),
+        np.zeros((3, CHANGES)),
         np.zeros((4, CHANGES)),
     )
     of_pair, of_regions = (elastic, mu, top), (by_zones, by_strips)
@@ -287,14 +287,9 @@ def add_derivatives(
     rigid_motions(at[0] - origin[0], at[1] - origin[1], at[2] - origin[2], False, reference)
     start, n = 0, len(strips.s)
     for c in range(len(zones.peak)):
-        stop, volume = start, 0.0
+        stop = start
         of_patch[:] = 0.0
         while stop < n and strips.contact[stop] == c:
-            half, width = strips.half[stop], strips.width[stop]
-            volume += 4.0 / 3.0 * half**3 * width
-            for q in range(MOTIONS):
-                by_width, by_half = by_strips.strips[stop, 2, q], by_strips.strips[stop, 3, q]
-                of_patch[0, q] -= 4.0 / 3.0 * half * half * (3.0 * width * by_half + half * by_width)
             stop += 1
         point, axes, place = peaks.point[c], peaks.axes[c], (zones.peak[c], zones.peak_x[c])
         by_place, by_point, by_axes = by_zones.contacts[c, :2], by_points[n], by_frames[n]
@@ -325,23 +320,21 @@ def add_derivatives(
                 by_patch[1, q] += by_share * (own[1] - eta)
         kalker, kalker_slopes = coefficients(elastic.table, a / b), coefficient_slopes(elastic.table, a / b)
         flexible = foundation(a, b, elastic.G, kalker)
-        # logarithmic derivatives: of the bound but for the half length, of the three flexibilities; then the parts of
-        # the increments' derivatives that are the same for all strips, and the derivative of the weight
+        # logarithmic derivatives of the three flexibilities; then the parts of the increments' derivatives that are the
+        # same for all strips, and the derivative of the weight
         for q in range(MOTIONS):
-            by_load, by_a = by_strips.patches[c, 0, q] / load, by_strips.patches[c, 1, q] / a
-            by_b = by_strips.patches[c, 2, q] / b
+            by_a, by_b = by_strips.patches[c, 1, q] / a, by_strips.patches[c, 2, q] / b
             ratio = a / b * (by_a - by_b)
-            of_patch[0, q] = by_load + of_patch[0, q] / volume
-            of_patch[1, q] = by_a - kalker_slopes[0] * ratio / kalker[0]
-            of_patch[2, q] = by_a - kalker_slopes[1] * ratio / kalker[1]
-            of_patch[3, q] = 1.5 * by_a - 0.5 * by_b - kalker_slopes[2] * ratio / kalker[2]
-            of_patch[6, q] = by_zones.contacts[c, 3, q]
+            of_patch[0, q] = by_a - kalker_slopes[0] * ratio / kalker[0]
+            of_patch[1, q] = by_a - kalker_slopes[1] * ratio / kalker[1]
+            of_patch[2, q] = 1.5 * by_a - 0.5 * by_b - kalker_slopes[2] * ratio / kalker[2]
+            of_patch[5, q] = by_zones.contacts[c, 3, q]
         for q in range(CHANGES):
-            of_patch[4, q] = (by_patch[0, q] - xi * of_patch[1, q]) / flexible.along - by_patch[0, q] / flexible.spin
-            of_patch[5, q] = (by_patch[1, q] - eta * of_patch[2, q]) / flexible.across - by_patch[1, q] / flexible.spin
+            of_patch[3, q] = (by_patch[0, q] - xi * of_patch[0, q]) / flexible.along - by_patch[0, q] / flexible.spin
+            of_patch[4, q] = (by_patch[1, q] - eta * of_patch[1, q]) / flexible.across - by_patch[1, q] / flexible.spin
         if mu > 0.0:
             for i in range(start, stop):
-                bound = mu * load / volume * strips.half[i] ** 2 * top
+                bound = mu * PARABOLA * strips.scale[i] * strips.half[i] * top
                 own = (creepage[i, 0], creepage[i, 1], creepage[i, 2])
                 along, across, turn = strip_increments(flexible, (xi, eta), own, strips.half[i], bound)
                 increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
@@ -350,11 +343,11 @@ def add_derivatives(
             half, width, by_own = strips.half[i], strips.width[i], by_creepage[i]
             normal = 0.5 * np.pi * strips.scale[i] * half * half * width
             for q in range(MOTIONS):
-                by_force[2, q] = 0.5 * np.pi * by_strips.strips[i, 4, q] * weight + normal * of_patch[6, q]
+                by_force[2, q] = 0.5 * np.pi * by_strips.strips[i, 4, q] * weight + normal * of_patch[5, q]
             values = (0.0, 0.0, normal * weight, 0.0)
             if mu > 0.0:
-                bound = mu * load / volume * half * half * top
-                scale = 2.0 * half * width * bound
+                bound = mu * PARABOLA * strips.scale[i] * half * top
+                scale = 1.5 * mu * top * normal
                 wx, wy, spin = creepage[i, 0], creepage[i, 1], creepage[i, 2]
                 gx = xi / flexible.along + (wx - xi) / flexible.spin
                 gy = eta / flexible.across + (wy - eta) / flexible.spin
@@ -363,15 +356,16 @@ def add_derivatives(
                 for q in range(MOTIONS):
                     by_strip[0, q] = by_strips.strips[i, 3, q] / half
                     by_strip[1, q] = by_strips.strips[i, 2, q] / width
+                    by_strip[2, q] = 0.5 * np.pi * by_strips.strips[i, 4, q] / normal
                 x, y, turn = scale * resultant[0], scale * resultant[1], scale * half * resultant[2]
                 values = (x * weight, y * weight, normal * weight, turn * weight)
                 size = weight * scale
                 for q in range(CHANGES):
-                    by_half, by_width = by_strip[0, q], by_strip[1, q]
-                    by_bound, by_3 = of_patch[0, q] + 2.0 * by_half, of_patch[3, q]
-                    shrink, grow = by_half - by_bound, weight * (by_half + by_width + by_bound) + of_patch[6, q]
-                    by_gx = of_patch[4, q] + (by_own[0, q] - (wx - xi) * by_3) / flexible.spin
-                    by_gy = of_patch[5, q] + (by_own[1, q] - (wy - eta) * by_3) / flexible.spin
+                    by_half, by_normal, by_3 = by_strip[0, q], by_strip[2, q], of_patch[2, q]
+                    # the bound is in proportion to the normal force over length and width
+                    shrink, grow = 2.0 * by_half + by_strip[1, q] - by_normal, weight * by_normal + of_patch[5, q]
+                    by_gx = of_patch[3, q] + (by_own[0, q] - (wx - xi) * by_3) / flexible.spin
+                    by_gy = of_patch[4, q] + (by_own[1, q] - (wy - eta) * by_3) / flexible.spin
                     by_gs = (by_own[2, q] - spin * by_3) / flexible.spin
                     ex, ey = half / bound * (by_gx + gx * shrink), half / bound * (by_gy + gy * shrink)
                     es = half * half / bound * (by_gs + gs * (shrink + by_half))

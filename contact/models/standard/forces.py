@@ -15,6 +15,7 @@ from wheelrail.support.arrays import Array, Mask
 from wheelrail.support.compiled import borrowing, compiled
 
 NO_FRICTION, FASTSIM, POLACH = 0, 1, 2
+PARABOLA = 0.375 * np.pi  # peak of a parabola over that of a half ellipse of the same area and length
 
 
 class StripFriction(NamedTuple):
@@ -48,7 +49,6 @@ class RollingPatch(NamedTuple):
         creepages: longitudinal, lateral, and spin 1/m, means of the strips by their normal forces.
         semi_axes: along and across, of the ellipse with the pressure's second moments, m.
         load: normal force, N.
-        paraboloid: factor of FASTSIM's traction bound, Pa/m2.
         kalker: coefficients C11, C22, C23.
         flexibility: of the elastic foundation.
     """
@@ -57,7 +57,6 @@ class RollingPatch(NamedTuple):
     creepages: tuple[float, float, float]
     semi_axes: tuple[float, float]
     load: float
-    paraboloid: float
     kalker: tuple[float, float, float]
     flexibility: ElasticFoundation
 
@@ -133,9 +132,6 @@ def rolling_patch(
     """Rolling contact of a patch; frames at the strips, and at the maxima of the penetration, where the rolling speed
     is taken; other parameters are those of `mean_creepages`.
     """
-    volume = 0.0
-    for i in range(*own):
-        volume += 4.0 / 3.0 * strips.half[i] ** 3 * strips.width[i]
     middles, peaks = frames
     speed = rolling_speed(v, peaks.point[contact], peaks.axes[contact, 0])
     a, b, load = strips.along[contact], strips.across[contact], strips.load[contact]
@@ -145,7 +141,6 @@ def rolling_patch(
         mean_creepages(strips, own, middles, v, speed, creepage),
         (a, b),
         load,
-        load / volume,
         kalker,
         foundation(a, b, elastic.G, kalker),
     )
@@ -190,6 +185,7 @@ def fill_cells(
 def fastsim_strip(
     patch: RollingPatch,
     half: float,
+    peak: float,
     creepage: tuple[float, float, float],
     friction: Array,
     dome: Array,
@@ -200,7 +196,7 @@ def fastsim_strip(
 
     Parameters:
         patch: of the strip.
-        half: half length, m.
+        half, peak: half length m, and largest pressure Pa.
         creepage: longitudinal, lateral, and spin 1/m, in the middle of the strip.
         friction: (m,), coefficients.
         dome: (m,), means of 1 - t^2 over the cells.
@@ -210,7 +206,7 @@ def fastsim_strip(
     (xi, eta, _), (wx, wy, spin) = patch.creepages, creepage
     bounds = np.empty(m)
     for j in range(m):
-        bounds[j] = friction[j] * patch.paraboloid * half * half * dome[j]
+        bounds[j] = friction[j] * PARABOLA * peak * dome[j]
     strip_tractions(half, (xi, eta), (wx - xi, wy - eta, spin), patch.flexibility, bounds, traction, slip)
 
 
@@ -347,7 +343,9 @@ def strip_forces(
             traction, slip = cells.traction[own], cells.slip[own]
             creepage = all_creepages[i, 0], all_creepages[i, 1], all_creepages[i, 2]
             if tangential.method == FASTSIM:
-                fastsim_strip(patch, half, creepage, tangential.of_cells[own], dome, traction, slip)
+                fastsim_strip(
+                    patch, half, strips.scale[i] * half, creepage, tangential.of_cells[own], dome, traction, slip
+                )
             else:
                 polach_strip(force, patch.load, half, creepage, cells.pressure[own], traction, slip)
             for q in range(i * m, (i + 1) * m):

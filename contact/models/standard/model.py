@@ -36,8 +36,8 @@ from wheelrail.support.arrays import Array
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
 CELLS = 16  # along each strip
-LARGEST_PRESSURE = 0.1  # of E*: strains there are some per cent, the limit of linear elasticity
-TOO_DEEP = "the bodies overlap by {:.3g} mm, too deep: {:.3g} GPa are beyond linear elasticity, {:g} E* = {:.3g} GPa"
+LARGEST_PRESSURE = 0.19  # of E*: a patch on a sphere is then 0.3 times as wide as that, too wide for half-spaces
+TOO_DEEP = "the bodies overlap by {:.3g} mm, too deep for half-spaces: {:.3g} GPa are above {:g} E* = {:.3g} GPa"
 CONFORMAL = "the surfaces conform: a semi-axis of {:.3g} mm is not on the bodies, whose extent is {:.3g} mm"
 
 

@@ -10,6 +10,7 @@ from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
 from wheelrail.contact.models.standard.forces import (
     FASTSIM,
     NO_FRICTION,
+    PARABOLA,
     POLACH,
     StripFrames,
     half_ellipse_means,
@@ -67,7 +68,7 @@ def strip_loads(
             for i in range(start, stop):
                 half = strips.half[i]
                 own = creepage[i, 0], creepage[i, 1], creepage[i, 2]
-                bound, creep = mu * patch.paraboloid * half * half * top, (patch.creepages[0], patch.creepages[1])
+                bound, creep = mu * PARABOLA * strips.scale[i] * half * top, (patch.creepages[0], patch.creepages[1])
                 along, across, turn = strip_increments(patch.flexibility, creep, own, half, bound)
                 increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
             strip_resultants(increments[start:stop], bounds, resultants[start:stop], lanes)
@@ -76,7 +77,7 @@ def strip_loads(
             normal = 0.5 * np.pi * strips.scale[i] * half * half * size
             along, across, turn = 0.0, 0.0, 0.0
             if rolls and method == FASTSIM:
-                load = 2.0 * half * size * mu * patch.paraboloid * half * half * top
+                load = 1.5 * mu * top * normal
                 along, across = load * resultants[i, 0], load * resultants[i, 1]
                 turn = load * half * resultants[i, 2]
             elif rolls:
