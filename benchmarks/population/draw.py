@@ -6,13 +6,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from benchmarks.population.oracle import Position, RigidSide
 from benchmarks.population.profiles import Shape, rail, wheel
 from wheelrail.contact.kinematics.frames import SIDES, Side
+
+if TYPE_CHECKING:
+    from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 
 ODD = ("y", "roll", "yaw", "y_rate", "roll_rate", "yaw_rate")  # change sign in the mirror y = 0
 HEADER = """import wheelrail as wr
@@ -73,6 +76,18 @@ class Situation:
         """Position at the given height, or the nominal one, and the given roll, or none."""
         roll = self.solve.get("roll", 0.0)
         return self.position(side, self.solve.get("z", 0.0), 0.0 if roll == "solve" else roll)
+
+    @property
+    def state(self) -> WheelsetState:
+        """Position and velocities; a height or roll that is solved for is zero."""
+        from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+
+        given = {key: value for key, value in self.solve.items() if key in WheelsetState.coordinates}
+        if given.get("roll") == "solve":
+            del given["roll"]
+        speed = self.solve["speed"]
+        given.setdefault("pitch_rate", speed / self.wheelset["radius"])
+        return WheelsetState(**given, speed=speed, frame_rate=(0.0, 0.0, speed * self.wheelset["curvature"]))
 
     def mirrored(self) -> Situation:
         """The mirror image in y = 0, with the other side's profiles."""

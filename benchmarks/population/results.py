@@ -29,7 +29,7 @@ class SideResult:
         patch_force, bands: (p, 3) N and (p, 2) m, force and lateral extent on the wheel of every patch.
         normal_force, peak: (p,) N and Pa, of the patches.
         strips: (p,), across the patches.
-        position, axes: (n, 3) m and (n, 3, 3), of the contact points.
+        position, axes: (n, 3) m and (n, 3, 3), of the contact points; axes are turned by the roll of a rail on pads.
         area, pressure: (n,) m2 and Pa.
         traction, slip: (n, 2) Pa on the wheel, and over the rolling speed.
     """
@@ -67,6 +67,9 @@ def side_result(data: Dataset, side: Side) -> SideResult:
     points = data.isel(point=np.flatnonzero(data["point_side"].values == side))
     count = int(own["patches"])
 
+    roll = float(own["rail_motion"][2]) * flat[1] if "rail_motion" in own else 0.0
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(roll), np.sin(roll)], [0.0, -np.sin(roll), np.cos(roll)]])
+
     def wrench(kinds: tuple[str, str, str], name: str) -> Array:
         return np.array([float(own[f"{kind}_{name}"]) for kind in kinds])
 
@@ -88,7 +91,7 @@ def side_result(data: Dataset, side: Side) -> SideResult:
         "peak": of_patches("patch_max_pressure"),
         "strips": of_patches("patch_strips"),
         "position": points["position"].values * vector,
-        "axes": points["axes"].values * vector * np.array([1.0, vector[1], 1.0])[:, None],
+        "axes": points["axes"].values * vector * np.array([1.0, vector[1], 1.0])[:, None] @ turn,
         "area": points["area"].values,
         "pressure": points["pressure"].values,
         "traction": points["traction"].values * flat,

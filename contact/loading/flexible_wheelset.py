@@ -175,8 +175,9 @@ class Trial:
     results: tuple[ContactResult, ...]
 
     def usable(self, loads: Loads) -> bool:
-        """Whether both contacts are solved and, under given loads, carry."""
-        return all(r.status == "converged" or (r.ok and not loads.free) for r in self.results)
+        """Whether both contacts are solved and each given load is carried, that of an axle by one of its wheels."""
+        carry = np.array([r.status == "converged" for r in self.results])
+        return all(r.ok for r in self.results) and all(carry[own].any() for own in loads.forces > 0.0)
 
     @cached_property
     def wrenches(self) -> Array:

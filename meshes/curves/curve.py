@@ -131,8 +131,9 @@ class Curve:
         inner = self.breaks[(self.breaks > start) & (self.breaks < stop)]
         ends = np.concatenate([[start], inner, [stop]])
         counts = np.ceil(np.diff(ends) / spacing * (1 - 1e-12)).astype(int)
-        parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(ends, ends[1:], counts, strict=False)]
-        return np.concatenate([*parts, [stop]])
+        number = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)  # within its piece
+        step = np.diff(ends) / np.maximum(counts, 1)
+        return np.append(number * np.repeat(step, counts) + np.repeat(ends[:-1], counts), stop)
 
     @cached_property
     def _samples(self) -> Array:

@@ -18,7 +18,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.flexible_wheelset import Flexibility, FlexibleEquilibrium, FlexibleWheelset, Loads
 from wheelrail.contact.loading.load_search import LoadError
 from wheelrail.contact.loading.moved_pair import MovedPair
-from wheelrail.contact.loading.wheelset import wheels_under_load
+from wheelrail.contact.loading.wheelset import axle_under_load, wheels_under_load
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
@@ -183,6 +183,17 @@ def test_axle_load_keeps_the_roll() -> None:
     assert sum(forces) == pytest.approx(2 * LOAD, rel=1e-7)
     assert forces[1] > forces[0] + 5e3  # the right wheel is pressed down
     assert equilibrium.state.roll == held.roll
+
+
+def test_axle_load_on_one_wheel() -> None:
+    """A wheel in the air needs no contact; at 06d44fc it was "no contact to start from"."""
+    own = FlexibleWheelset(contact(), flexibility("axle"))
+    rigid = axle_under_load(contact(), replace(ROLLING, roll=5e-3), LOAD, expected=8e-5)
+    found = own.equilibrium(rigid.state, Loads.axle(LOAD), rigid.results)
+    statuses = {side: result.status for side, result in found.results.items()}
+    assert sorted(statuses.values()) == ["converged", "separated"]
+    assert sum(result.force[2] for result in found.results.values()) == pytest.approx(LOAD, rel=1e-6)
+    assert max(abs(hub).max() for hub in found.hubs.values()) > 1e-6
 
 
 def test_condensed_tangent_is_that_of_the_equilibria() -> None:

@@ -11,6 +11,7 @@ from dense_surfaces import DenseSurfaces
 from small_strips import few_strips
 from standard_pair import MOUNTING, RAIL, WHEEL, wheel_on_rail
 
+import wheelrail as wr
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.wheelset import axle_under_load, wheel_under_load, wheels_under_load
@@ -66,3 +67,22 @@ def test_both_wheels_of_different_radii_carry_their_loads(name: str) -> None:
     assert solved.state.roll == pytest.approx(1e-3 / 0.75, rel=0.1)
     level = axle_under_load(own, rolling(z=5e-3), 2 * LOAD, expected=EXPECTED)
     assert sum(level.results[side].force[2] for side in SIDES) == pytest.approx(2 * LOAD, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("y", [5e-3, -7e-3])
+def test_wheels_under_a_newton(name: str, y: float) -> None:
+    """The approach is 50 nm, far below the gaps that a roll opens: at 06d44fc 60 solves did not find it."""
+    found = wheels_under_load(contact(name), rolling(y=y, yaw=1e-3), 1.0, expected=5e-8)
+    for result in found.results.values():
+        assert result.force[2] == pytest.approx(1.0, abs=1e-5)
+        assert 2e-8 < result.approach < 2e-7
+
+
+def test_loads_of_a_newton_are_allowed_and_listed() -> None:
+    """At 06d44fc wheel loads below 1 kN and axle loads below 2 kN were refused."""
+    with pytest.warns(UserWarning, match="wheel_load = 1: unusual"):
+        solution = wr.Wheelset(model="standard").solve(wheel_load=1.0)
+    np.testing.assert_allclose(solution.data["vertical_force"], 1.0, rtol=1e-5)
+    solution = wr.Wheelset(model="standard").solve(axle_load=1.0, roll=1e-3)
+    assert float(solution.data["vertical_force"].sum()) == pytest.approx(1.0, rel=1e-5)
