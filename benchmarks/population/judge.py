@@ -235,7 +235,7 @@ def against_standard(situation: Situation, results: Mapping[Side, SideResult]) -
             if standard.status != result.status and not near:
                 yield f"{side}: {result.status}, the standard contact {standard.status}"
             continue
-        along = np.average(result.axes[:, 2, 2], weights=result.pressure) if result.status == "converged" else 1.0
+        along = abs(np.average(result.axes[:, 2, 2], weights=result.pressure)) if result.status == "converged" else 1.0
         band = BAND_APPROACH * max(deepest, standard.approach) / along + TOUCH  # of heights: approaches are normal
         if abs(result.z - standard.z) > band and situation.solve.get("roll") != "solve":
             above = 1e6 * (result.z - standard.z)
