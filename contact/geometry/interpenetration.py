@@ -112,6 +112,8 @@ def merging_weights(top: Array, low: Array, merge: float, by_top: Array, by_low:
     extends over the minimum, or as both are close.
     """
     n, q = len(top), by_top.shape[2]
+    if n == 1:
+        return np.ones(1), np.zeros((1, q))
     weight, by_weight, share, by_share = np.ones(n), np.zeros((n, q)), np.ones(n), np.zeros((n, q))
     whole, own, first, last = top[:, 1].copy(), top[:, 1].copy(), np.arange(n), np.arange(n)
     by_whole, by_own, part, by_part = by_top[:, 1].copy(), by_top[:, 1].copy(), np.zeros(n), np.zeros((n, q))
