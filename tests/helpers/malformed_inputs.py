@@ -240,7 +240,6 @@ def wheelset_scenes(t: Table) -> None:
         ("diameter as radius", "radius = 0.46", "radius = 1.2", "wheelset.radius = 1.2", "0.46"),
         ("place in mm", "y = -0.002", "y = -2.0", "wheelset.y = -2.0", "0.002"),
         ("yaw in degrees", "yaw = 0.0", "yaw = 1.5", "wheelset.yaw = 1.5", "rad"),
-        ("wheel load in kN", "wheel_load = 57e3", "wheel_load = 57", "wheelset.wheel_load = 57", "kN"),
         ("wheel load in mN", "wheel_load = 57e3", "wheel_load = 57e6", "wheelset.wheel_load = 57000000", "N"),
         ("back in mm", "1.360 ", "1360 ", "flange_back_distance = 1360", "1.360"),
         ("turns per minute", "97.82608695652173", "934", "pitch_rate = 934", "pure rolling"),
