@@ -22,6 +22,7 @@ MOST = 100_000.0  # MB
 LONGEST = 10_000  # characters of an attribute in the header of a file
 INITIAL = 65_536  # bytes of a file in memory
 TRIAL = "import sys, netCDF4; [v[...] for v in netCDF4.Dataset(sys.argv[1]).variables.values()]"
+UNREADABLE = "not a readable NetCDF file, it may be damaged"
 PATIENCE, RATE = 30.0, 1e7  # s and bytes/s, of a trial
 
 
@@ -55,7 +56,7 @@ def read(file: Path) -> Dataset:
         raise SceneError(str(error)) from None
     except Exception as error:  # of a damaged file the libraries may raise almost any
         text = " ".join(f"{error}".split()) or type(error).__name__
-        raise SceneError(f"{file}: not a readable NetCDF file, it may be damaged: {text}") from None
+        raise SceneError(f"{file}: {UNREADABLE}: {text}") from None
 
 
 def _try(file: Path) -> None:
@@ -64,9 +65,9 @@ def _try(file: Path) -> None:
     try:
         done = subprocess.run([sys.executable, "-c", TRIAL, file], capture_output=True, timeout=limit, check=False)
     except subprocess.TimeoutExpired:
-        raise Damaged(f"{file}: not a readable NetCDF file, it may be damaged: no end after {limit:.0f} s") from None
+        raise Damaged(f"{file}: {UNREADABLE}: no end after {limit:.0f} s") from None
     if done.returncode < 0:
-        raise Damaged(f"{file}: not a readable NetCDF file, it may be damaged: HDF5 crashes on it")
+        raise Damaged(f"{file}: {UNREADABLE}: HDF5 crashes on it")
 
 
 def write(data: Dataset, file: Path) -> None:
