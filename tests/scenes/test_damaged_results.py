@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 
 import wheelrail as wr
 from wheelrail.cli.main import app
+from wheelrail.scenes.datasets.contact import ATTRIBUTES, CONTACT, check_contact
 from wheelrail.scenes.datasets.declared import Schema
 from wheelrail.scenes.datasets.netcdf import read, write
 from wheelrail.scenes.datasets.run_schema import (
@@ -53,7 +54,8 @@ def made(schema: Schema, attributes: dict[str, type]) -> xr.Dataset:
     return data.assign_coords(time=("time", rising), distance=("time", rising))
 
 
-KINDS = {"wagon": (WAGON, WAGON_ATTRIBUTES), "vehicle": (VEHICLE, VEHICLE_ATTRIBUTES)}
+KINDS = {"wagon": (WAGON, WAGON_ATTRIBUTES), "vehicle": (VEHICLE, VEHICLE_ATTRIBUTES), "contact": (CONTACT, ATTRIBUTES)}
+CHECKS = {"wagon": check_run, "vehicle": check_run, "contact": check_contact}
 CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
     "time in reverse": lambda d: d.assign_coords(time=("time", d["time"].values[::-1].copy())),
     "time at rest": lambda d: d.assign_coords(time=("time", 0.0 * d["time"].values)),
@@ -85,8 +87,8 @@ OF_VEHICLE: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_results_as_declared_are_read(kind: str) -> None:
     schema, attributes = KINDS[kind]
-    check_run(made(schema, attributes), FILE)
-    check_run(made({name: own for name, own in schema.items() if own.needed}, attributes), FILE)
+    CHECKS[kind](made(schema, attributes), FILE)
+    CHECKS[kind](made({name: own for name, own in schema.items() if own.needed}, attributes), FILE)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -97,10 +99,10 @@ def test_each_missing_variable_is_named(kind: str) -> None:
             with pytest.raises(
                 wr.SceneError,
                 match=r"run\.nc: must contain results of a run"
-                if name in ("body_y", "wheelset_y", "patches")
+                if kind != "contact" and name in ("body_y", "wheelset_y", "patches")
                 else rf"run\.nc: {name}: ",
             ):
-                check_run(data.drop_vars(name), FILE)
+                CHECKS[kind](data.drop_vars(name), FILE)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -113,7 +115,7 @@ def test_each_attribute_of_another_type_is_named(kind: str) -> None:
             altered.attrs = {key: own for key, own in data.attrs.items() if key != name}
             altered.attrs |= {} if value is None else {name: value}
             with pytest.raises(wr.SceneError, match=rf"run\.nc: attribute {name}: "):
-                check_run(altered, FILE)
+                CHECKS[kind](altered, FILE)
 
 
 @pytest.mark.parametrize(
@@ -122,6 +124,20 @@ def test_each_attribute_of_another_type_is_named(kind: str) -> None:
 def test_altered_results_are_refused(kind: str, name: str) -> None:
     with pytest.raises(wr.SceneError, match=r"^run\.nc: [^\n]+$"):
         check_run((CHANGES | OF_VEHICLE)[name](made(*KINDS[kind])), FILE)
+
+
+def test_solutions_without_a_variable_are_one_line(tmp_path: Path) -> None:
+    """`wheelrail.open` of a solution that another program wrote: whole, without one variable, with more patches."""
+    file = tmp_path / "solution.nc"
+    made(CONTACT, ATTRIBUTES).to_netcdf(file)
+    assert wr.open(file).status == "text"
+    made(CONTACT, ATTRIBUTES).drop_vars("pressure").to_netcdf(file)
+    with pytest.raises(wr.SceneError, match=r"solution\.nc: pressure: missing; must be over point$"):
+        wr.open(file)
+    data = made(CONTACT, ATTRIBUTES)
+    data["patches"][:] = 2
+    with pytest.raises(wr.SceneError, match=r"solution\.nc: patches: must be whole numbers from 0 to 1"):
+        check_contact(data, file)
 
 
 @pytest.mark.parametrize("picture", ["body_motion", "wheel_load"])

@@ -57,6 +57,7 @@ def open(file: str | Path) -> Solution | Run | Study:
     from wheelrail.api.runs import Run
     from wheelrail.api.solution import Solution
     from wheelrail.api.studies import Study
+    from wheelrail.scenes.datasets.contact import check_contact
     from wheelrail.scenes.datasets.netcdf import read
     from wheelrail.scenes.datasets.run_schema import check_run
     from wheelrail.scenes.studies.results import KIND, check_study_data
@@ -65,6 +66,7 @@ def open(file: str | Path) -> Solution | Run | Study:
         raise FileNotFoundError(f"{file}: file does not exist")
     data = read(Path(file))
     if "point" in data.dims and "patches" in data:
+        check_contact(data, Path(file))
         return Solution(data)
     if data.attrs.get("kind") == KIND:
         check_study_data(data, Path(file))

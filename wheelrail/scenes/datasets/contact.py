@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import MIRROR
 from wheelrail.contact.results.result import ContactResult, Fields
-from wheelrail.scenes.datasets.patches import means, patch_variables
-from wheelrail.scenes.datasets.run_schema import AXES, TURNS
+from wheelrail.scenes.datasets.declared import Declared, Schema, check, filled
+from wheelrail.scenes.datasets.patches import patch_variables
+from wheelrail.scenes.datasets.run_schema import AXES, TURNS, wheel_schema
+from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.arrays import Array, Mask
 
 if TYPE_CHECKING:
@@ -27,6 +31,43 @@ ERRORS = {
     "max_pressure": ("Pa", "estimated error of the peak pressure"),
     "area": ("m2", "estimated error of the contact area"),
 }
+BY_SIDE, BY_POINT = ("side",), ("point",)
+CONTACT: Schema = {
+    "side": Declared(BY_SIDE, "", ""),
+    "status": Declared(BY_SIDE, "", "status of the solve"),
+    **{name: of_wheel for name, of_wheel in wheel_schema(BY_SIDE).items() if of_wheel.needed and name != "in_contact"},
+    "patch_force": Declared(("side", "patch", "axis"), "N", "force of the patch on the wheel"),
+    **{f"{name}_error": Declared(BY_SIDE, units, text, False) for name, (units, text) in ERRORS.items()},
+    **{
+        f"{name}_count": Declared(BY_SIDE, "1", f"{text} of the last solve")
+        for name, text in (
+            ("newton", "Newton iterations"),
+            ("linear", "linear iterations"),
+            ("points", "contact points"),
+        )
+    },
+    "residual": Declared(BY_SIDE, "1", "relative residual of the last solve"),
+    "phase": Declared(("phase",), "", "", False),
+    "phase_seconds": Declared(("side", "phase"), "s", "time for a phase of the last solve", False),
+    "share": Declared(
+        BY_POINT, "1", "share of the strips of the point in the result, between two widths of strips", False
+    ),
+    "point_side": Declared(BY_POINT, "", "side of the point"),
+    "point_patch": Declared(BY_POINT, "1", "patch of the point, -1 for none"),
+    "position": Declared(("point", "axis"), "m", "position in the frame of the rail of the side: forward, left, up"),
+    "axes": Declared(
+        ("point", "direction", "axis"), "1", "longitudinal, lateral and outward normal axis of the wheel surface"
+    ),
+    "area": Declared(BY_POINT, "m2", "area of the cell of the point, times its share"),
+    "step": Declared(BY_POINT, "m", "length of the cell of the point in rolling direction"),
+    "penetration": Declared(BY_POINT, "m", "penetration of the undeformed bodies"),
+    "pressure": Declared(BY_POINT, "Pa", "contact pressure"),
+    "traction": Declared(("point", "tangent"), "Pa", "tangential traction on the wheel"),
+    "slip": Declared(("point", "tangent"), "1", "slip velocity of the wheel against the rail over the rolling speed"),
+    "displacement": Declared(("point", "direction"), "m", "elastic displacement, wheel minus rail"),
+    "sticks": Declared(BY_POINT, "1", "whether the surfaces stick"),
+}
+ATTRIBUTES: dict[str, type] = {"status": str, "model": str, "contact_modulus": float}
 
 
 def contact_dataset(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws]) -> Dataset:
@@ -42,13 +83,13 @@ def contact_dataset(results: Mapping[str, ContactResult], laws: Mapping[str, Con
     from xarray import Dataset
 
     sides = list(results)
-    every: dict[str, Any] = {
-        "status": ("side", [result.status for result in results.values()], means("1", "status of the solve")),
+    every = {
+        "status": [result.status for result in results.values()],
         **_totals(results),
-        **patch_variables([result.patches for result in results.values()], ("side",), (len(sides),)),
-        "patch_force": (("side", "patch", "axis"), *_patch_forces(results)),
+        "patch_force": _patch_forces(results),
         **_points(results, laws),
     }
+    patches = patch_variables([result.patches for result in results.values()], BY_SIDE, (len(sides),))
     coordinates = {
         "side": ("side", sides),
         "edge": ("edge", ["low", "high"]),
@@ -56,49 +97,56 @@ def contact_dataset(results: Mapping[str, ContactResult], laws: Mapping[str, Con
         "direction": ("direction", list(LOCAL)),
         "tangent": ("tangent", list(LOCAL[:2])),
     }
-    data = Dataset(every, coords=coordinates)
+    data = Dataset(filled(CONTACT, every) | patches, coords=coordinates)
     return data.set_coords(["point_side", "point_patch"])
+
+
+def check_contact(data: Dataset, file: Path) -> None:
+    """Raise SceneError unless a Dataset has what a contact solution writes, naming what is missing or differs.
+
+    Parameters:
+        data: Dataset of the file.
+        file: for messages.
+    """
+    check(data, file, CONTACT, ATTRIBUTES)
+    patches = data["patches"].values
+    if not ((patches >= 0) & (patches <= data.sizes["patch"]) & (patches == np.round(patches))).all():
+        raise SceneError(f"{file}: patches: must be whole numbers from 0 to {data.sizes['patch']}, the length of patch")
 
 
 def _totals(results: Mapping[str, ContactResult]) -> dict[str, Any]:
     """Forces, moments, approach, error estimates, and statistics of the last solve, by side."""
-    variables: dict[str, Any] = {}
     listed = list(results.values())
     force, moment = (
         np.array([value if result.ok else np.full(3, np.nan) for result, value in pairs])
         for pairs in ([(r, r.force) for r in listed], [(r, r.moment) for r in listed])
     )
-    for index, (axis, turn) in enumerate(zip(AXES, TURNS, strict=True)):
-        variables[f"{axis}_force"] = ("side", force[:, index], means("N", f"{axis} contact force on the wheel"))
-        text = f"{turn} moment of the contact force about the centre of the wheelset"
-        variables[f"{turn}_moment"] = ("side", moment[:, index], means("N m", text))
-    approach = means("m", "largest penetration of the undeformed bodies; negative is a gap")
-    variables["approach"] = ("side", [result.approach for result in listed], approach)
+    variables: dict[str, Any] = {f"{axis}_force": force[:, k] for k, axis in enumerate(AXES)}
+    variables |= {f"{turn}_moment": moment[:, k] for k, turn in enumerate(TURNS)}
+    variables["approach"] = [result.approach for result in listed]
     if any(result.error_estimate is not None for result in listed):
-        for name, (units, text) in ERRORS.items():
-            values = [getattr(result.error_estimate, name, np.nan) for result in listed]
-            variables[f"{name}_error"] = ("side", values, means(units, text))
-    for name, text in (("newton", "Newton iterations"), ("linear", "linear iterations"), ("points", "contact points")):
-        counts = [getattr(result.statistics, name) for result in listed]
-        variables[f"{name}_count"] = ("side", counts, means("1", f"{text} of the last solve"))
-    residual = means("1", "relative residual of the last solve")
-    variables["residual"] = ("side", [result.statistics.residual for result in listed], residual)
+        for name in ERRORS:
+            variables[f"{name}_error"] = [getattr(result.error_estimate, name, np.nan) for result in listed]
+    for name in ("newton", "linear", "points"):
+        variables[f"{name}_count"] = [getattr(result.statistics, name) for result in listed]
+    variables["residual"] = [result.statistics.residual for result in listed]
     phases = list(dict.fromkeys(phase for result in listed for phase in result.statistics.seconds))
     if phases:
-        seconds = [[result.statistics.seconds.get(phase, np.nan) for phase in phases] for result in listed]
-        variables["phase"] = ("phase", phases)
-        variables["phase_seconds"] = (("side", "phase"), seconds, means("s", "time for a phase of the last solve"))
+        variables["phase"] = phases
+        variables["phase_seconds"] = [
+            [result.statistics.seconds.get(phase, np.nan) for phase in phases] for result in listed
+        ]
     return variables
 
 
-def _patch_forces(results: Mapping[str, ContactResult]) -> tuple[Array, dict[str, str]]:
-    """Resultants (side, patch, axis) of the patches, padded with NaN, and their attributes."""
+def _patch_forces(results: Mapping[str, ContactResult]) -> Array:
+    """Resultants (side, patch, axis) of the patches, padded with NaN."""
     lists = [result.patches for result in results.values()]
     force = np.full((len(lists), max([1, *map(len, lists)]), 3), np.nan)
     for row, patches in enumerate(lists):
         for k, patch in enumerate(patches):
             force[row, k] = patch.force
-    return force, means("N", "force of the patch on the wheel")
+    return force
 
 
 def _points(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws]) -> dict[str, Any]:
@@ -108,56 +156,39 @@ def _points(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws
         for side, result in results.items()
         if result.ok and result.fields is not None
     ]
-    fields = [part for _, part, _ in parts]
+    own = [part for _, part, _ in parts]
 
     def joined(name: str, *shape: int) -> Array:
-        return np.concatenate([np.empty((0, *shape)), *(getattr(part, name) for part in fields)])
+        return np.concatenate([np.empty((0, *shape)), *(getattr(part, name) for part in own)])
 
-    own = np.repeat([side for side, _, _ in parts] or [""], [len(part.area) for part in fields] or [0])
-    patch = np.concatenate([np.empty(0, dtype=int), *(part.patch for part in fields)])
-    stick = np.concatenate([np.empty(0, dtype=bool), *(part for _, _, part in parts)])
-    position = means("m", "position in the frame of the rail of the side: forward, left, up")
-    axes = means("1", "longitudinal, lateral and outward normal axis of the wheel surface")
-    slip = means("1", "slip velocity of the wheel against the rail over the rolling speed")
-    step = means("m", "length of the cell of the point in rolling direction")
+    sides = np.repeat([side for side, _, _ in parts] or [""], [len(part.area) for part in own] or [0])
     variables: dict[str, Any] = {}
-    if any(part.share is not None for part in fields):
-        shares = [np.ones(len(part.area)) if part.share is None else part.share for part in fields]
-        text = "share of the strips of the point in the result, between two widths of strips"
-        variables["share"] = ("point", np.concatenate(shares), means("1", text))
+    if any(part.share is not None for part in own):
+        shares = [np.ones(len(part.area)) if part.share is None else part.share for part in own]
+        variables["share"] = np.concatenate(shares)
     return variables | {
-        "point_side": ("point", own.astype(str), means("1", "side of the point")),
-        "point_patch": ("point", patch, means("1", "patch of the point, -1 for none")),
-        "position": (("point", "axis"), joined("point", 3), position),
-        "axes": (("point", "direction", "axis"), joined("axes", 3, 3), axes),
-        "area": ("point", joined("area"), means("m2", "area of the cell of the point, times its share")),
-        "step": ("point", joined("step"), step),
-        "penetration": ("point", joined("penetration"), means("m", "penetration of the undeformed bodies")),
-        "pressure": ("point", joined("pressure"), means("Pa", "contact pressure")),
-        "traction": (("point", "tangent"), joined("traction", 2), means("Pa", "tangential traction on the wheel")),
-        "slip": (("point", "tangent"), joined("slip", 2), slip),
-        "displacement": (
-            ("point", "direction"),
-            joined("displacement", 3),
-            means("m", "elastic displacement, wheel minus rail"),
-        ),
-        "sticks": ("point", stick, means("1", "whether the surfaces stick")),
+        "point_side": sides.astype(str),
+        "point_patch": np.concatenate([np.empty(0, dtype=int), *(part.patch for part in own)]),
+        "position": joined("point", 3),
+        "axes": joined("axes", 3, 3),
+        **{name: joined(name) for name in ("area", "step", "penetration", "pressure")},
+        **{name: joined(name, 2) for name in ("traction", "slip")},
+        "displacement": joined("displacement", 3),
+        "sticks": np.concatenate([np.empty(0, dtype=bool), *(part for _, _, part in parts)]),
     }
 
 
-def _unmirrored(fields: Fields, mirrored: bool) -> Fields:
+def _unmirrored(own: Fields, mirrored: bool) -> Fields:
     """Fields in the frame of their own rail."""
-    from dataclasses import replace
-
     if not mirrored:
-        return fields
+        return own
     return replace(
-        fields,
-        point=fields.point * MIRROR,
-        axes=fields.axes * MIRROR_LOCAL[:, None] * MIRROR,
-        traction=fields.traction * MIRROR_LOCAL[:2],
-        slip=fields.slip * MIRROR_LOCAL[:2],
-        displacement=fields.displacement * MIRROR_LOCAL,
+        own,
+        point=own.point * MIRROR,
+        axes=own.axes * MIRROR_LOCAL[:, None] * MIRROR,
+        traction=own.traction * MIRROR_LOCAL[:2],
+        slip=own.slip * MIRROR_LOCAL[:2],
+        displacement=own.displacement * MIRROR_LOCAL,
     )
 
 
