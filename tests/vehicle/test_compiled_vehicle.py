@@ -75,6 +75,15 @@ def test_compiled_equations_are_those_in_numpy(kind: str) -> None:
         np.testing.assert_allclose(actual, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
+@pytest.mark.parametrize("speed", [64, SpeedProfile.through((0, 1), (64, 64))], ids=["number", "profile"])
+def test_a_speed_of_whole_numbers_is_that_of_decimals(speed: float | SpeedProfile) -> None:
+    """A whole speed ended in a TypingError of Numba before."""
+    whole = VehicleDynamics(manchester(), Track(), LinearCreep(), speed)
+    for time, state, wrenches in samples(whole):
+        expected = replace(whole, speed=64.0).accelerations(time, state, wrenches).rates
+        np.testing.assert_array_equal(whole.accelerations(time, state, wrenches).rates, expected)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_elements_of_many_rows_are_those_in_numpy(kind: str) -> None:
     dynamics = dynamics_of(kind)

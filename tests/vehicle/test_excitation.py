@@ -21,7 +21,7 @@ from wheelrail.vehicle.loads import AppliedLoads, BodyForce, LoadTable, Wheelset
 from wheelrail.vehicle.multibody.coordinates import X, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
-from wheelrail.vehicle.simulation.excitation import TOLERANCES, Excitation
+from wheelrail.vehicle.simulation.excitation import STIFFNESS, TOLERANCES, Excitation
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.track.alignment import Segment
@@ -53,12 +53,19 @@ def vehicle_on(track: Track, speed: float | SpeedProfile = V, loads: AppliedLoad
     return VehicleDynamics(load_vehicle(), track, LinearCreep(), speed, loads=loads or AppliedLoads())
 
 
-def longest(dynamics: VehicleDynamics, time: float, step: float, tolerance: float = 3e-5, ahead: float = 0.0) -> float:
+def longest(
+    dynamics: VehicleDynamics,
+    time: float,
+    step: float,
+    tolerance: float = 3e-5,
+    ahead: float = 0.0,
+    force: float = np.inf,
+) -> float:
     """Longest step of the vehicle in its nominal position, ahead of its reference by a distance m."""
     state, c = np.zeros(dynamics.size), dynamics.coordinates.count
     state[:c][dynamics.coordinates.free % 6 == X] = ahead
     still = VehicleEvaluation(np.zeros(dynamics.size), {})
-    return Excitation(dynamics, tolerance).longest_step(time, state, still, step)
+    return Excitation(dynamics, tolerance, force).longest_step(time, state, still, step)
 
 
 WIND = LoadTable(((130.0, 0.0), (131.0, 2e4), (135.0, 2e4), (136.0, 0.0)), by_distance=True)
@@ -99,7 +106,7 @@ def test_a_drifting_vehicle_meets_it_at_its_own_place() -> None:
 
 
 def test_what_a_step_overlooks_is_the_error_of_cubic_interpolation() -> None:
-    """Against scipy's interpolation of a dense sampling of the heading, cant and gradient of a random line."""
+    """Against scipy's interpolation of a dense sampling of the displacements of a random line."""
     random = np.random.default_rng(7)
     for _ in range(20):
         radius, length = random.uniform(300, 3000), random.uniform(10, 80, 3)
@@ -113,8 +120,11 @@ def test_what_a_step_overlooks_is_the_error_of_cubic_interpolation() -> None:
         def overlooked(step: float) -> float:
             start, end = V * time, V * (time + step)  # noqa: B023
             s = np.linspace(start, end, 4001)
-            values = alignment(s)[:, [0, 2, 3]] / [1.0, track.base, 1.0]  # noqa: B023
-            slopes = alignment(s)[:, [1, 5, 6]] / [1.0, track.base, 1.0]  # noqa: B023
+            heading, curvature, cant, gradient, _, of_cant, of_gradient, *_ = alignment(s).T  # noqa: B023
+            lateral = CubicHermiteSpline(s, heading, curvature).antiderivative()(s)
+            upwards = CubicHermiteSpline(s, gradient, of_gradient).antiderivative()(s)
+            values = np.stack([lateral, upwards, 0.5 * cant], axis=1)
+            slopes = np.stack([heading, gradient, 0.5 * of_cant], axis=1)
             cubic = CubicHermiteSpline([start, end], values[[0, -1]], slopes[[0, -1]])
             return float(max(np.abs(cubic(s) - values).max(), V / 100 * np.abs(cubic(s, 1) - slopes).max()))
 
@@ -171,6 +181,54 @@ def test_the_curve_is_met_with_the_standard_contact() -> None:
     run = simulate(dynamics, (8.0, 12.5))
     assert run.status == "completed"
     assert 1e3 * np.abs(run.coordinate("wheelset_1", Y)).max() == pytest.approx(6.11, abs=0.1)
+
+
+def shallow(at: float) -> Irregularities:
+    """Both rails 0.13 mm low, over 0.5 m to either side, with a kink of 1 mrad."""
+    x = np.linspace(-0.5, 0.5, 101)
+    dip = -1.3e-4 * (1.0 - 2.0 * np.abs(x)) ** 2
+    return Irregularities(at + x, np.stack([0.0 * x, dip, 0.0 * x, 0.0 * x], axis=1))
+
+
+@pytest.mark.parametrize("method", ["rosenbrock", "rosenbrock4"])
+def test_a_dip_of_a_tenth_of_a_millimetre_counts_by_the_force_that_it_causes(method: str) -> None:
+    """Less than 10 tolerances of positions, and a seventh of the load of a wheel: no stage met it before."""
+    contact = wheel_on_rail(tangential="fastsim")
+    on_rails = replace(vehicle_on(Track(irregularities=shallow(60.0)), 17.0), contact=contact)
+    own = simulate(on_rails, (0.0, 3.05), steps=StepSettings(method, 4.4e-3, 4.4e-5))
+    before = int(np.searchsorted(own.time, 2.88)) - 1  # the first wheelset is at the dip at 2.9 s
+    settings = StepSettings("rosenbrock", 1e-3, 1e-5, max_step=1e-3)
+    short = simulate(on_rails, (own.time[before], 2.92), initial=own.state[before], steps=settings)
+    rise, expected = (run.force[..., 2].max() - run.force[0, ..., 2].max() for run in (own, short))
+    assert own.cost.steps.accepted < 150
+    assert expected > 0.1 * own.force[0, ..., 2].max()
+    assert rise == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize("half", [0.02, 0.1, 0.5, 2.0, 8.0])
+def test_a_dip_is_passed_over_where_a_wheel_on_its_contact_hardly_answers(half: float) -> None:
+    """Against the motion of that oscillator: q'' + omega^2 q = r'' in compression q over a dip r."""
+    dynamics = vehicle_on(Track())
+    own = 1813.0 / 2.0
+    omega, x = np.sqrt(STIFFNESS / own), half * np.linspace(-1.0, 1.0, 401)
+    shape = 0.5 * (1.0 + np.cos(np.pi * x / half))
+    r = CubicHermiteSpline(x / V, shape, -0.5 * np.pi * V / half * np.sin(np.pi * x / half))
+    bend = r.derivative(2)
+
+    def rates(t: float, q: Array) -> list[float]:
+        return [q[1], (float(bend(t)) if abs(t) < half / V else 0.0) - omega**2 * q[0]]
+
+    end = half / V
+    answer = solve_ivp(rates, (-end, end + 0.01), [0.0, 0.0], max_step=min(end / 100, 3e-4))
+    force = STIFFNESS * np.abs(answer.y[0]).max()  # per m of depth
+
+    def passed(depth: float) -> bool:
+        values = np.stack([0.0 * x, -depth * shape, 0.0 * x, 0.0 * x], axis=1)
+        over = replace(dynamics, track=Track(irregularities=Irregularities(135.0 + x, values)))
+        return longest(over, 4.0, 2.5, tolerance=1.0, force=1e3) == 2.5
+
+    assert passed(0.3 * 1e3 / force)
+    assert not passed(3.0 * 1e3 / force)
 
 
 MASS = 32000.0 + 2 * 2615.0 + 4 * 1813.0  # kg

@@ -305,7 +305,7 @@ class RosenbrockW(Generic[E]):
 
     @property
     def outputs(self) -> Array | None:
-        return self.linear[1].outputs if self.linear is not None and self.last_stage is not None else None
+        return self.linear[1].outputs if self.linear is not None else None
 
     def _moved(
         self, t: float, x: Array, linear: HasDerivatives

@@ -20,8 +20,36 @@ from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 
 TOLERANCES = 10.0  # that a step may overlook: several are of the size of the errors within a step
+STIFFNESS = 1e9  # N/m, of a steel wheel on its rail, by Hertz 1.0 to 1.4e9 at 50 to 100 kN
 SHORTEST = 1e-9  # s
-PARTS = 4  # of each smooth piece, at whose ends values and slopes are compared
+PARTS = 4  # of each smooth piece, at whose ends the function and its derivatives are compared
+
+
+@dataclass(frozen=True)
+class Overlooked:
+    """Displacements, by what is prescribed, that a step may overlook: their size, rate, and the force that they cause.
+
+    Parameters:
+        value: m.
+        force: N on a wheel; infinite: any.
+        mass, carried: kg, of the wheel with its part of the axle, and of all that it carries.
+
+    A wheel follows its rail, as an oscillator of its mass and the stiffness k of the contact. To a displacement r, of
+    which it knows nothing, its contact answers with at most about the least of k |r|, sqrt(k m) |r'| and m |r''|: those
+    of motions that are short against the oscillator's period, of a kink, and of long ones, where the mass is all that
+    the wheel carries.
+    """
+
+    value: float
+    force: float
+    mass: float
+    carried: float
+
+    @cached_property
+    def limits(self) -> Array:
+        """(5,) of displacement m and rate m/s; of displacement, rate and acceleration m/s2 by the force."""
+        by_force = self.force / np.array([STIFFNESS, np.sqrt(STIFFNESS * self.mass), self.carried])
+        return np.array([self.value, RATE_SCALE * self.value, *by_force])
 
 
 @dataclass(frozen=True)
@@ -29,31 +57,30 @@ class Prescribed:
     """Functions of distance or time, of which those of distance act at places that move with the vehicle.
 
     Parameters:
-        functions: k of them, m or rad.
+        functions: k displacements, m.
         places: (p,) m ahead of the vehicle's reference point; 0 for functions of time.
     """
 
     functions: LocalPolynomials
     places: Array
 
-    def resolved(self, start: float, end: float, rate: float, tolerance: float) -> bool:
-        """Whether all functions are, over an interval, the cubics through their values and rates at both ends within a
-        tolerance of values, m and rad, and a hundred 1/s of it of rates.
+    def resolved(self, start: float, end: float, rate: float, limits: Array) -> bool:
+        """Whether all functions are, over an interval, the cubics through their values and rates at both ends within
+        limits.
 
         Parameters:
             start, end: m, of the reference point; or s.
             rate: of the distance, m/s; 1 for functions of time.
-            tolerance: m and rad.
+            limits: (5,) see `Overlooked`.
         """
-        slope = RATE_SCALE * tolerance / rate
-        return not any(
-            differ(*self._arrays, start + place, end + place, tolerance, slope) for place in self.places.tolist()
-        )
+        scaled = limits / rate ** np.array([0, 1, 0, 1, 2])
+        return not differ(*self._arrays, start, end, scaled)
 
     @cached_property
-    def _arrays(self) -> tuple[Array, Array]:
-        """Starts and coefficients in the order of rows, for which the compiled function is made."""
-        return np.ascontiguousarray(self.functions.starts), np.ascontiguousarray(self.functions.coefficients)
+    def _arrays(self) -> tuple[Array, Array, Array]:
+        """Starts, coefficients and places in the order of rows, for which the compiled function is made."""
+        starts, coefficients = self.functions.starts, self.functions.coefficients
+        return np.ascontiguousarray(starts), np.ascontiguousarray(coefficients), np.ascontiguousarray(self.places)
 
 
 @dataclass(frozen=True)
@@ -62,18 +89,28 @@ class Excitation:
 
     Parameters:
         dynamics: equations of motion.
-        tolerance: atol of positions and angles, m and rad.
+        tolerance: atol of positions, m.
+        force: tolerance of forces of wheels, N.
 
     A method knows what is prescribed at its few stages only: none of a step that is too long may meet a curve, a joint,
     or a change of speed or load. A step resolves a function if the cubic through its values and rates at both ends
-    differs from it by at most 10 tolerances throughout: atol in m and rad, 100 atol in m/s and rad/s. The functions are
-    heading, cant and gradient of the track under each body; y and z of both rails under each wheelset; the distance of
-    the reference motion; and the displacement that a load over distance would give the mass of its body alone. Linear
-    loads over time are resolved by steps that end at their kinks.
+    differs from it throughout by at most 10 tolerances, atol in m and 100 atol in m/s, and by no more than what changes
+    the force of a wheel by its tolerance. The functions are displacements: of the track under each body, by curves,
+    gradients and cant; y and z of both rails under each wheelset; the distance of the reference motion; and that by a
+    load over distance of the mass of its body alone. Linear loads over time are resolved by steps that end at their
+    kinks.
     """
 
     dynamics: VehicleDynamics
     tolerance: float
+    force: float = np.inf
+
+    @cached_property
+    def limits(self) -> Array:
+        """(5,) see `Overlooked`."""
+        d, wheels = self.dynamics, len(SIDES) * len(self.dynamics.vehicle.wheelsets)
+        own = sum(d.vehicle.bodies[name].mass for name in d.vehicle.wheelsets)
+        return Overlooked(TOLERANCES * self.tolerance, self.force, own / wheels, d.mass.sum() / wheels).limits
 
     @cached_property
     def of_distance(self) -> tuple[Prescribed, ...]:
@@ -120,8 +157,7 @@ class Excitation:
 
     def _resolves(self, time: float, state: Array, at: VehicleEvaluation, step: float) -> bool:
         """Whether a step of a length s resolves all functions."""
-        allowed = TOLERANCES * self.tolerance
-        if self.reference is not None and not self.reference.resolved(time, time + step, 1.0, allowed):
+        if self.reference is not None and not self.reference.resolved(time, time + step, 1.0, self.limits):
             return False
         if not (self.of_distance or self.loads):
             return True
@@ -131,8 +167,8 @@ class Excitation:
         start = before.distance + float(ahead)
         end = after.distance + float(ahead + step * (faster + 0.5 * step * max(float(acceleration), 0.0)))
         speed = (end - start) / step
-        return all(f.resolved(start, end, speed, allowed) for f in self.of_distance) and all(
-            f.resolved(start, end, speed, allowed * speed**2) for f in self.loads
+        return all(f.resolved(start, end, speed, self.limits) for f in self.of_distance) and all(
+            f.resolved(start, end, speed, speed**2 * self.limits) for f in self.loads
         )
 
     def _loads(self) -> Iterator[Prescribed]:
@@ -148,10 +184,10 @@ class Excitation:
 
 
 def _alignment(track: Track) -> LocalPolynomials:
-    """Heading, cant angle and gradient, rad."""
-    whole = TrackSections(track).alignment
-    factors = np.array([1.0, 1.0 / track.base, 1.0])
-    return LocalPolynomials(whole.starts, whole.coefficients[:, :, [0, 2, 3]] * factors)
+    """Displacements of the track to the left and upwards, and of its rails by cant, m."""
+    whole = TrackSections(track)
+    cant = LocalPolynomials(whole.alignment.starts, 0.5 * whole.alignment.coefficients[:, :, 2:3])
+    return LocalPolynomials.joined([whole.direction.integral, cant])
 
 
 def _rails(irregularities: Irregularities) -> LocalPolynomials:
@@ -181,33 +217,49 @@ def _linear(table: LoadTable, factor: float) -> LocalPolynomials:
 
 
 @borrowing
-def differ(starts: Array, coefficients: Array, first: float, last: float, value: float, slope: float) -> bool:
-    """Whether a function differs, between two abscissae, from the cubic through its values and slopes at both.
+def differ(starts: Array, coefficients: Array, places: Array, start: float, end: float, limits: Array) -> bool:
+    """Whether a function, somewhere between two abscissae, differs by more than some limits, see `differs`.
 
     Parameters:
         starts: (m,), of the pieces, the first and the last of which are unbounded.
         coefficients: (m, degree + 1, k), see `LocalPolynomials`.
-        first, last: abscissae.
-        value, slope: differences that are not exceeded.
+        places: (p,) that are added to both abscissae, one after the other.
+        start, end: abscissae.
+        limits: (5,).
+    """
+    for place in places:
+        for k in range(coefficients.shape[2]):
+            if differs(starts, coefficients, k, start + place, end + place, limits):
+                return True
+    return False
+
+
+@borrowing
+def differs(starts: Array, coefficients: Array, function: int, first: float, last: float, limits: Array) -> bool:
+    """Whether a function differs, between two abscissae, from the cubic through its values and slopes at both: in value
+    or slope by more than the first two of some limits, or in value, slope and second derivative by the others.
     """
     span, begin = last - first, piece_at(starts, first)
-    for k in range(coefficients.shape[2]):
-        at_start, left = value_and_slope(starts, coefficients, begin, k, first)
-        at_end, right = value_and_slope(starts, coefficients, piece_at(starts, last), k, last)
-        rise, left, right = at_end - at_start, left * span, right * span
-        bend, piece, low = left + right - 2.0 * rise, begin, first
-        while low < last:
-            high = min(last, starts[piece + 1]) if piece + 1 < len(starts) else last
-            for part in range(1, PARTS + 1):
-                s = low + (high - low) * part / PARTS
-                u = (s - first) / span
-                there, tilt = value_and_slope(starts, coefficients, piece, k, s)
-                cubic = u * (rise + (1.0 - u) * (left - rise - u * bend))
-                if abs(there - at_start - cubic) > value:
-                    return True
-                if abs(tilt - (left + u * (2.0 * (rise - left - bend) + 3.0 * u * bend)) / span) > slope:
-                    return True
-            piece, low = piece + 1, high
+    at_start, left, _ = derivatives_of(starts, coefficients, begin, function, first)
+    at_end, right, _ = derivatives_of(starts, coefficients, piece_at(starts, last), function, last)
+    rise, left, right = at_end - at_start, left * span, right * span
+    bend, piece, low = left + right - 2.0 * rise, begin, first
+    value, slope, second = 0.0, 0.0, 0.0
+    while low < last:
+        high = min(last, starts[piece + 1]) if piece + 1 < len(starts) else last
+        for part in range(PARTS + 1):
+            s = low + (high - low) * part / PARTS
+            u = (s - first) / span
+            there, tilt, curve = derivatives_of(starts, coefficients, piece, function, s)
+            cubic = u * (rise + (1.0 - u) * (left - rise - u * bend))
+            cubic_slope = (left + u * (2.0 * (rise - left - bend) + 3.0 * u * bend)) / span
+            cubic_second = (2.0 * (rise - left - bend) + 6.0 * u * bend) / span**2
+            value = max(value, abs(there - at_start - cubic))
+            slope = max(slope, abs(tilt - cubic_slope))
+            second = max(second, abs(curve - cubic_second))
+        if value > limits[0] or slope > limits[1] or (value > limits[2] and slope > limits[3] and second > limits[4]):
+            return True
+        piece, low = piece + 1, high
     return False
 
 
@@ -225,10 +277,13 @@ def piece_at(starts: Array, s: float) -> int:
 
 
 @borrowing
-def value_and_slope(starts: Array, coefficients: Array, piece: int, function: int, s: float) -> tuple[float, float]:
-    """Value and slope of a polynomial of a piece."""
-    x, value, slope = s - starts[piece], 0.0, 0.0
+def derivatives_of(
+    starts: Array, coefficients: Array, piece: int, function: int, s: float
+) -> tuple[float, float, float]:
+    """Value, slope and second derivative of a polynomial of a piece."""
+    x, value, slope, half = s - starts[piece], 0.0, 0.0, 0.0
     for power in range(coefficients.shape[1] - 1, -1, -1):
+        half = half * x + slope
         slope = slope * x + value
         value = value * x + coefficients[piece, power, function]
-    return value, slope
+    return value, slope, 2.0 * half

@@ -158,7 +158,7 @@ class TimeRun:
             counts=self.cost.steps,
             follow=rail_following(self.dynamics),
             next_end=self._next_end if self.dynamics.drifts else None,
-            longest=Excitation(self.dynamics, float(np.min(self.steps.atol))).longest_step,
+            longest=Excitation(self.dynamics, float(np.min(self.steps.atol)), self.steps.output_tolerance).longest_step,
         )
         for count, step in enumerate(steps, start=1):
             if self._accept(step):

@@ -79,6 +79,8 @@ class PiecewiseFunction:
     corner: float = 3.0
 
     def __post_init__(self) -> None:
+        for name in ("stations", "values"):  # of compiled functions the type decides
+            object.__setattr__(self, name, tuple(float(x) for x in getattr(self, name)))
         s, v = self.stations, self.values
         if len(s) != len(v) or not s:
             raise ValueError(f"{len(v)} values for {len(s)} stations: must be as many, one at least")
