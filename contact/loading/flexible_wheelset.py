@@ -8,6 +8,7 @@ loads w on the hubs and l on the rails, which the contacts return with their der
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -16,8 +17,9 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import STATE_MIRRORED, WheelsetState
 from wheelrail.contact.loading.flexible_state import FlexibleState
-from wheelrail.contact.loading.load_search import LoadError
+from wheelrail.contact.loading.load_search import LoadError, Results, compliant, find_depth_for_load
 from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, MovedPair
+from wheelrail.contact.loading.two_wheels import at_depths, find_depths_for_loads
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
@@ -32,7 +34,10 @@ FORCE = 1e-7  # of the load: largest error of a vertical force
 PLACE = 1e-9  # m and rad: largest error of a motion
 STALLED_FORCE, STALLED_PLACE = 1e-5, 1e-8  # accepted where halved steps gain nothing: the contact's own tolerance
 MOTION = 1e-3  # m and rad, usual size of motions, by which their errors are compared with those of loads
-SHORTEST = 2.0**-12  # of a Newton step
+SHORTEST = 2.0**-6  # of a Newton step
+LONGEST = 5e-3  # m and rad, largest step of a motion
+LOADED = 0.1  # of the load: larger errors of a step are mended at its motions, whose errors count with the loads on
+RESTORED = 1e-2  # of the load: their error then
 COLUMNS = COORDINATES + 18  # of derivatives: the wheelset's coordinates, then the motions of hubs and rails
 MIRRORED_HUB = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # factors of a hub's motion in the mirror y = 0
 MIRRORED_RAIL = np.array([-1.0, 1.0, -1.0])  # the same of a rail's
@@ -256,9 +261,31 @@ class FlexibleWheelset:
         Raises LoadError.
         """
         guesses = tuple((guess or {}).get(side) for side in SIDES)
-        trial, solves = self._trial(state, np.zeros(18) if motions is None else motions, guesses), 2
+        trial = self._trial(state, np.zeros(18) if motions is None else motions, guesses)
         if not trial.usable(loads):
             raise LoadError(f"no contact to start from: {', '.join(result.status for result in trial.results)}")
+        try:
+            return self._newton(trial, 2, loads)
+        except LoadError:
+            if not loads.free:
+                raise
+            start, solves = self._under_vertical_loads(trial, loads)
+            return self._newton(start, solves, loads)
+
+    def _under_vertical_loads(self, trial: Trial, loads: Loads) -> tuple[Trial, int]:
+        """Trial with the motions that vertical loads at the rolling circles cause, and number of solves.
+
+        A rigid wheelset may rest on a flange, rolled, where one whose axle bends rests on its treads. Raises LoadError.
+        """
+        load = float(loads.values.sum() / loads.forces.sum())
+        wrench = np.array([0.0, 0.0, load, load * self.contact.mounting.wheel_y, 0.0, 0.0])
+        on_structure = structural(np.stack([pair.load_matrix @ wrench for pair in trial.pairs]))
+        motions = self.flexibility.unloaded + self.flexibility.matrix @ on_structure
+        level = {name: 0.0 for name in loads.free}
+        return self._carrying(self._trial(replace(trial.state, **level), motions, trial.results), trial, loads, RESTORED)
+
+    def _newton(self, trial: Trial, solves: int, loads: Loads) -> FlexibleEquilibrium:
+        """Equilibrium by Newton's method from a trial. Raises LoadError."""
         errors: list[float] = []
         for _ in range(MAX_STEPS):
             check_interrupt()
@@ -285,22 +312,28 @@ class FlexibleWheelset:
             frame[:12, :12] = about_hubs_line(self.contact.mounting.wheel_y)
         return frame
 
-    def _trial(self, state: WheelsetState, motions: Array, guesses: tuple[ContactResult | None, ...]) -> Trial:
-        pairs, results, placed = [], [], self._frame @ motions
+    def _pairs(self, state: WheelsetState, motions: Array) -> tuple[MovedPair, ...]:
+        placed = self._frame @ motions
         if isinstance(state, FlexibleState):
             placed = placed + state.motions
-        for index, (side, guess) in enumerate(zip(SIDES, guesses, strict=True)):
-            own = self.contact.of(side)
-            pair = MovedPair(
-                own.mounting,
+        return tuple(
+            MovedPair(
+                self.contact.of(side).mounting,
                 state.mirrored() if index else state,
                 placed[6 * index : 6 * index + 6],
                 placed[12 + 3 * index : 15 + 3 * index],
                 self.flexibility.foot(index),
             )
-            pairs.append(pair)
-            results.append(pair.in_track(own.model(pair.pose, pair.motion, guess)))
-        return Trial(state, motions, tuple(pairs), tuple(results))
+            for index, side in enumerate(SIDES)
+        )
+
+    def _trial(self, state: WheelsetState, motions: Array, guesses: tuple[ContactResult | None, ...]) -> Trial:
+        pairs = self._pairs(state, motions)
+        results = tuple(
+            pair.in_track(self.contact.of(side).model(pair.pose, pair.motion, guess))
+            for side, pair, guess in zip(SIDES, pairs, guesses, strict=True)
+        )
+        return Trial(state, motions, pairs, results)
 
     def _residual(self, trial: Trial, loads: Loads) -> Array:
         vertical = loads.forces @ trial.wrenches[:, 2] - loads.values
@@ -319,7 +352,9 @@ class FlexibleWheelset:
 
     def _advance(self, trial: Trial, step: Array, loads: Loads, size: float) -> tuple[Trial | None, int]:
         """Next trial, by the longest halving of a step that lowers the error, and number of solves."""
-        count, fraction, solves = len(loads.free), 1.0, 0
+        count, solves = len(loads.free), 0
+        step = step * min(1.0, LONGEST / float(np.abs(step[count:]).max()))
+        fraction = 1.0
         while fraction >= SHORTEST:
             change = {
                 name: getattr(trial.state, name) + fraction * s for name, s in zip(loads.free, step, strict=False)
@@ -328,12 +363,53 @@ class FlexibleWheelset:
                 replace(trial.state, **change), trial.motions + fraction * step[count:], trial.results
             )
             solves += 2
-            if following.usable(loads):
-                force, place = _sizes(self._residual(following, loads), loads)
-                if max(force, place / MOTION) < (1 - 0.1 * fraction) * size:
-                    return following, solves
+            force, place = self._errors(following, loads)
+            if force > LOADED and loads.free:
+                with suppress(LoadError):
+                    following, more = self._carrying(following, trial, loads, min(RESTORED, 0.1 * size))
+                    solves += more
+                    force, place = self._errors(following, loads)
+            if force <= LOADED and max(force, place / MOTION) < (1 - 0.1 * fraction) * size:
+                return following, solves
             fraction *= 0.5
         return None, solves
+
+    def _errors(self, trial: Trial, loads: Loads) -> tuple[float, float]:
+        """Errors of forces and motions, see `_sizes`; infinite where no contact carries a load."""
+        return _sizes(self._residual(trial, loads), loads) if trial.usable(loads) else (np.inf, np.inf)
+
+    def _carrying(self, trial: Trial, earlier: Trial, loads: Loads, rtol: float) -> tuple[Trial, int]:
+        """Trial at the same motions, at the height and roll that carry the loads there, and number of solves.
+
+        A step of motions by which a wheel leaves a steep flange changes its force much more than its own load does the
+        motions: the loads are found at given motions. Raises LoadError.
+        """
+        base, guess = self.contact.mounting.wheel_y, earlier.results
+        approach = max(result.approach for result in guess)
+
+        def solved(state: WheelsetState, own: Results | None) -> Results:
+            return self._trial(state, trial.motions, own or guess).results
+
+        if len(loads.free) == 1:
+            found = find_depth_for_load(
+                lambda depth, own: solved(replace(trial.state, z=-depth), own),
+                float(loads.values[0]),
+                expected=approach,
+                start=-trial.state.z,
+                rtol=rtol,
+            )
+            state, results, trials = replace(trial.state, z=-found.depth), found.results, found.trials
+        else:
+            slopes = compliant(float(loads.values.max())) / np.array([max(r.approach, 0.1 * approach) for r in guess])
+            depths, results, trials = find_depths_for_loads(
+                lambda depths, own: solved(at_depths(trial.state, depths, base), own),
+                loads.values,
+                start=np.full(2, -trial.state.z),
+                slopes=slopes,
+                rtol=rtol,
+            )
+            state = at_depths(trial.state, depths, base)
+        return Trial(state, trial.motions, self._pairs(state, trial.motions), results), 2 * trials
 
     def _outcome(self, trial: Trial, solves: int, errors: list[float]) -> FlexibleEquilibrium:
         results, hub_loads = trial.results, trial.loads[:12].reshape(2, 6)

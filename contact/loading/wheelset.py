@@ -13,7 +13,7 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.load_search import RTOL, LoadError, LoadSolution, Results, find_depth_for_load
-from wheelrail.contact.loading.two_wheels import find_depths_for_loads
+from wheelrail.contact.loading.two_wheels import at_depths, find_depths_for_loads
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
@@ -123,13 +123,9 @@ def wheels_under_load(
     base = contact.mounting.wheel_y
     starts = [_find_depth(contact, state, (side,), load, expected, 0.02) for side in SIDES]
 
-    def at(depths: Array) -> WheelsetState:
-        left, right = depths  # of the wheels: z + base roll = -left, z - base roll = -right
-        return replace(state, z=-0.5 * (left + right), roll=state.roll + 0.5 * (right - left) / base)
-
     def wheels(depths: Array, guess: Results | None) -> Results:
-        state_at_depths = at(depths)
-        return tuple(contact(state_at_depths, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
+        lowered = at_depths(state, depths, base)
+        return tuple(contact(lowered, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
 
     depths, results, trials = find_depths_for_loads(
         wheels,
@@ -140,7 +136,7 @@ def wheels_under_load(
         rtol=rtol,
     )
     solves = sum(start.trials for start in starts) + 2 * trials
-    return WheelsetEquilibrium(at(depths), dict(zip(SIDES, results, strict=True)), solves)
+    return WheelsetEquilibrium(at_depths(state, depths, base), dict(zip(SIDES, results, strict=True)), solves)
 
 
 def _find_depth(
