@@ -34,7 +34,7 @@ FORCE = 1e-7  # of the load: largest error of a vertical force
 PLACE = 1e-9  # m and rad: largest error of a motion
 STALLED_FORCE, STALLED_PLACE = 1e-5, 1e-8  # accepted where halved steps gain nothing: the contact's own tolerance
 MOTION = 1e-3  # m and rad, usual size of motions, by which their errors are compared with those of loads
-SHORTEST = 2.0**-6  # of a Newton step
+SHORTEST = 2.0**-3  # of a Newton step
 LONGEST = 5e-3  # m and rad, largest step of a motion
 LOADED = 0.1  # of the load: larger errors of a step are mended at its motions, whose errors count with the loads on
 RESTORED = 1e-2  # of the load: their error then
@@ -269,20 +269,20 @@ class FlexibleWheelset:
         except LoadError:
             if not loads.free:
                 raise
-            start, solves = self._under_vertical_loads(trial, loads)
+            start, solves = self._given_way(trial, loads)
             return self._newton(start, solves, loads)
 
-    def _under_vertical_loads(self, trial: Trial, loads: Loads) -> tuple[Trial, int]:
-        """Trial with the motions that vertical loads at the rolling circles cause, and number of solves.
+    def _given_way(self, trial: Trial, loads: Loads) -> tuple[Trial, int]:
+        """Trial whose hubs and rails have given way to the loads of another one as far as those would move them, with
+        the wheels on their loads, and number of solves.
 
-        A rigid wheelset may rest on a flange, rolled, where one whose axle bends rests on its treads. Raises LoadError.
+        A rigid wheelset may rest on a flange, rolled, where one whose wheels are pushed away rests on its treads. From
+        the motions without loads Newton's method would have to pass the roll at which the wheel falls.
+        Raises LoadError.
         """
-        load = float(loads.values.sum() / loads.forces.sum())
-        wrench = np.array([0.0, 0.0, load, load * self.contact.mounting.wheel_y, 0.0, 0.0])
-        on_structure = structural(np.stack([pair.load_matrix @ wrench for pair in trial.pairs]))
-        motions = self.flexibility.unloaded + self.flexibility.matrix @ on_structure
-        level = {name: 0.0 for name in loads.free}
-        return self._carrying(self._trial(replace(trial.state, **level), motions, trial.results), trial, loads, RESTORED)
+        motions = self.flexibility.unloaded + self.flexibility.matrix @ trial.loads
+        level = replace(trial.state, z=0.0, roll=0.0 if "roll" in loads.free else trial.state.roll)
+        return self._carrying(self._trial(level, motions, trial.results), trial, loads, RESTORED)
 
     def _newton(self, trial: Trial, solves: int, loads: Loads) -> FlexibleEquilibrium:
         """Equilibrium by Newton's method from a trial. Raises LoadError."""

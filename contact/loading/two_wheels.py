@@ -36,7 +36,7 @@ MAX_HALVINGS = 60  # of a bracket
 
 
 def at_depths(state: WheelsetState, depths: Array, base: float) -> WheelsetState:
-    """State with the wheels at depths (2,) m below the nominal height at the roll of a state, base m from the middle."""
+    """State with wheels at depths (2,) m below the nominal height at the roll of a state, base m from the middle."""
     left, right = depths  # z + base roll = -left, z - base roll = -right
     return replace(state, z=-0.5 * (left + right), roll=state.roll + 0.5 * (right - left) / base)
 

@@ -12,6 +12,7 @@ from small_strips import few_strips
 from standard_pair import MOUNTING, RAIL, WHEEL, wheel_on_rail
 
 import wheelrail as wr
+from benchmarks.population.profiles import wheel
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.wheelset import axle_under_load, wheel_under_load, wheels_under_load
@@ -86,3 +87,38 @@ def test_loads_of_a_newton_are_allowed_and_listed() -> None:
     np.testing.assert_allclose(solution.data["vertical_force"], 1.0, rtol=1e-5)
     solution = wr.Wheelset(model="standard").solve(axle_load=1.0, roll=1e-3)
     assert float(solution.data["vertical_force"].sum()) == pytest.approx(1.0, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("worn", "more", "at"),
+    [
+        (
+            {},
+            {"model": "standard", "normal": "hertz", "friction": 0.564, "gauge": 1.0, "flange_back_distance": 0.925},
+            {"y": -6.848e-3, "yaw": -6.5e-4, "wheel_load": 1418.0, "speed": 7.0},
+        ),
+        (
+            {"hollow": 2.09064e-4, "hollow_field": 2.58862e-4},
+            {
+                "bodies": "half-space",
+                "strips": 8,
+                "cells": 8,
+                "laying_angle": 0.0,
+                "friction": 0.0,
+                "pads": True,
+                "flange_back_distance": 1.363,
+            },
+            {"y": -5.35531e-3, "yaw": 2.9366e-3, "wheel_load": 120966.0, "speed": 0.55},
+        ),
+    ],
+    ids=["standard", "pads"],
+)
+def test_a_wheel_that_climbs_a_flange_as_it_is_lowered(
+    worn: dict[str, float], more: dict[str, object], at: dict[str, float]
+) -> None:
+    """Lowering one wheel rolls the axle, and it moves to its flange. Each carries its load at one height and roll."""
+    pair = {"wheel": wheel("S1002", **worn).profile, "rail": wr.profile("60E1"), "radius": 0.464171}
+    data = wr.Wheelset(**pair, **more).solve(roll="solve", **at).data
+    assert list(data["status"].values) == ["converged", "converged"]
+    np.testing.assert_allclose(data["vertical_force"], at["wheel_load"], rtol=1e-5)
+    assert np.ptp(data["z"].values) == np.ptp(data["roll"].values) == 0.0
