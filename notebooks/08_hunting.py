@@ -19,7 +19,7 @@
 # example is Manchester benchmark vehicle 1 in three dimensions, with S1002 wheels on 60E1 rails inclined at 1:40.
 #
 # Two contacts are compared: the standard contact of multibody codes (Kik-Piotrowski and FASTSIM), and elastic bodies.
-# Their critical speeds differ by 13 m/s, for a reason that can be seen in the contact of the centred wheel.
+# Their critical speeds differ by 11 m/s, for a reason that can be seen in the contact of the centred wheel.
 
 # %%
 from dataclasses import replace
@@ -147,7 +147,7 @@ ax.legend()
 # %% [markdown]
 # ## A motion after a kick
 #
-# 75 m/s with the standard contact, above its critical speed of 69.2 m/s: bogies are kicked sideways by 0.1 and 0.07
+# 75 m/s with the standard contact, above its critical speed of 70.7 m/s: bogies are kicked sideways by 0.1 and 0.07
 # m/s. The motion grows towards a limit cycle. Large ones from flange to flange need a stronger kick and a higher speed;
 # `wheelrail hunting` follows them over descending speeds.
 

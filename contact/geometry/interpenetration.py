@@ -108,16 +108,16 @@ def merging_weights(top: Array, low: Array, merge: float, by_top: Array, by_low:
     ratio of the `POWER` of their heights above the minimum that joins them, and their joint height above it is the norm
     of both with this power. A maximum that has just appeared on a slope has no height above its minimum: neither it nor
     any other weight jumps. Sums of powers do not depend on the order in which minima of the same height are taken. From
-    a maximum's own view the height of another one counts as far as its own region, down to (1 - VIRTUAL) of its height,
-    extends over the minimum, or as both are close.
+    a maximum's own view another one counts as far as its own region, down to (1 - VIRTUAL) of its height, extends over
+    the minimum, or as both are close: as much of it as `covered` has in the region, so that no load is counted twice.
     """
     n, q = len(top), by_top.shape[2]
-    if n == 1:
-        return np.ones(1), np.zeros((1, q))
+    if n <= 1:
+        return np.ones(n), np.zeros((n, q))
     weight, by_weight, share, by_share = np.ones(n), np.zeros((n, q)), np.ones(n), np.zeros((n, q))
     whole, own, first, last = top[:, 1].copy(), top[:, 1].copy(), np.arange(n), np.arange(n)
     by_whole, by_own, part, by_part = by_top[:, 1].copy(), by_top[:, 1].copy(), np.zeros(n), np.zeros((n, q))
-    done = np.zeros(max(n - 1, 0), np.bool_)
+    done = np.zeros(n - 1, np.bool_)
     for _ in range(n - 1):
         k = -1
         for j in range(n - 1):
@@ -145,9 +145,8 @@ def merging_weights(top: Array, low: Array, merge: float, by_top: Array, by_low:
                 far, far_slope = apart(abs(top[i, 0] - top[j, 0]), merge)
                 by_far = (far_slope if top[i, 0] > top[j, 0] else -far_slope) * (by_top[i, 0] - by_top[j, 0])
                 counts = 1.0 - deep * far
-                after += counts**POWER * part[j]
-                by_after += counts**POWER * by_part[j]
-                by_after -= POWER * counts ** (POWER - 1) * (by_deep * far + deep * by_far) * part[j]
+                after += counts * part[j]
+                by_after += counts * by_part[j] - (by_deep * far + deep * by_far) * part[j]
             if after > 0.0:
                 by_weight[i] = by_weight[i] * (before / after)
                 by_weight[i] += weight[i] * (by_before - before / after * by_after) / after
@@ -202,7 +201,8 @@ class WheelRegions(NamedTuple):
 
     Parameters:
         approach: m, largest penetration; without, minus the gap.
-        beyond: whether the penetration reaches an end of the wheel's profile or of the rail's.
+        beyond: whether the penetration reaches an end of the wheel's profile or of the rail's, or the wheel lies inside
+            the rail.
         top: (k, 3) m, maxima: position, penetration and x.
         low: (k - 1, 3) m, minima between them, likewise; with the penetration 0 where there is a gap.
         edges: (h,) m, outer ends of the halves of regions: for each maximum with a weight, those on both sides of each
@@ -233,7 +233,8 @@ def wheel_regions(
     depth, where, sample = samples.depth, samples.x, samples.sample
     beyond = first_beyond(samples, part) >= 0
     if not (beyond or len(top)):
-        approach = nearest_place(wheel, rail, radius, origin, rotation, lines)[1]
+        beyond = inside(lines, samples, part, radius, origin, rotation)
+        approach = nearest_place(wheel, rail, radius, origin, rotation, lines, part, samples)[1]
     weight, _ = merging_weights(top, low, merge, np.zeros((len(top), 3, 0)), np.zeros((len(low), 3, 0)))
     m, most = len(POSITIONS), 2 * len(top) * len(top)
     contacts, edges = np.empty((len(top), 4)), np.empty(most)
@@ -328,8 +329,9 @@ def profile_regions(
     found = wheel_regions(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
     )
-    if found.beyond or not len(found.contacts):
+    if found.beyond:
         check_outside(wheel, rail, radius, pose, lines)
+    if not len(found.contacts):
         return None, found.approach
     peak, peak_x, depth, weight = found.contacts.T
     s, x, width, penetration, radii = found.strips.T
@@ -338,7 +340,7 @@ def profile_regions(
 
 
 def check_outside(wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines) -> None:
-    """Raises ValueError for a wheel without contacts that lies inside the rail or overlaps it at an end of a profile.
+    """Raises ValueError for a wheel that overlaps the rail at an end of a profile, or without contacts lies inside it.
 
     Parameters as for `profile_regions`.
     """
@@ -349,7 +351,7 @@ def check_outside(wheel: Profile, rail: Profile, radius: float, pose: Pose, line
     if i >= 0:
         profile = wheel if i in (0, len(lines.s) - 1) else rail
         raise ValueError(overlap_text(samples.depth[i], wheel.point(lines.s[i]), f"where profile {profile.name} ends"))
-    if _inside(rail, radius, pose, lines):
+    if inside(lines, samples, part, radius, pose.origin, rotation):
         raise ValueError("the wheel lies inside the rail, too deep for a contact")
 
 
@@ -360,13 +362,25 @@ def overlap_text(depth: float, place: Array, reason: str) -> str:
     return f"the wheel overlaps the rail {1e3 * depth:.3g} mm deep {at}, {reason}"
 
 
-def _inside(rail: Profile, radius: float, pose: Pose, lines: Lines) -> bool:
-    """Whether a part of the wheel below its axle lies under the rail's surface, parameters as for `profile_regions`."""
-    points, r = lines.point, lines.point.imag + radius
-    y, z = (pose.origin[k] + pose.rotation[k, 1] * points.real - pose.rotation[k, 2] * r for k in (1, 2))
-    surface = rail.shape.sampled[np.argsort(rail.shape.sampled.real)]
-    over = (y > surface.real[0]) & (y < surface.real[-1])
-    return bool((z[over] < np.interp(y[over], surface.real, surface.imag) - INSIDE).any())
+@borrowing
+def inside(lines: Lines, samples: Scan, part: tuple[int, int], radius: float, origin: Array, rotation: Array) -> bool:
+    """Whether a part of the wheel below its axle lies under the rail's surface; parameters as for `scan`, whose result
+    the samples are: where they are above the rail, the wheel is.
+    """
+    across, n = lines.across, len(lines.across)
+    for i in range(part[0], part[1]):
+        if samples.sample[i] >= 0 and samples.depth[i] <= 0.0:
+            continue
+        along, r = lines.point[i].real, lines.point[i].imag + radius
+        y = origin[1] + rotation[1, 1] * along - rotation[1, 2] * r
+        if not across[0] < y < across[n - 1]:
+            continue
+        k = np.searchsorted(across, y)
+        share = (y - across[k - 1]) / (across[k] - across[k - 1])
+        surface = lines.heights[k - 1] + share * (lines.heights[k] - lines.heights[k - 1])
+        if origin[2] + rotation[2, 1] * along - rotation[2, 2] * r < surface - INSIDE:
+            return True
+    return False
 
 
 def quadric_regions(

@@ -36,7 +36,7 @@ class Lines(NamedTuple):
         first, stop: of the ordinary lines, which are always looked at.
         flange, field: bounds of the lines before first, and from stop on.
         widest: m, largest distance of a line from y = 0.
-        across: (m,) m, lateral positions of the rail's samples, increasing.
+        across, heights: (m,) m, lateral positions of the rail's samples, increasing, and heights.
         before, after: (m,) m, largest height of the rail up to there, and from there on.
     """
 
@@ -51,6 +51,7 @@ class Lines(NamedTuple):
     field: Box
     widest: float
     across: Array
+    heights: Array
     before: Array
     after: Array
 
@@ -83,6 +84,7 @@ class Lines(NamedTuple):
             _box(point[end:], -1.0),
             float(np.abs(point.real).max()),
             rail.shape.sampled.real[order],
+            heights,
             np.maximum.accumulate(heights),
             np.maximum.accumulate(heights[::-1])[::-1].copy(),
         )
@@ -101,38 +103,39 @@ def _box(points: Complex, hand: float) -> Box:
 
 
 @borrowing
-def lines_to_scan(lines: Lines, radius: float, origin: Array, rotation: Array) -> tuple[int, int]:
-    """First of the lines that may overlap the rail at a pose, and one past the last: the ordinary ones, and all before
-    or after them unless bounds of their places show that they do not.
+def lines_to_scan(lines: Lines, radius: float, origin: Array, rotation: Array, margin: float = 0.0) -> tuple[int, int]:
+    """First of the lines that may come closer to the rail at a pose than a margin m, 0 if they overlap it, and one past
+    the last: the ordinary ones, and all before or after them unless bounds of their places show that they do not.
 
-    Parameters as for `scan`.
+    Other parameters as for `scan`.
     """
     n = len(lines.s)
     first, stop = lines.first, lines.stop
-    if first > 0 and _meets(lines, lines.flange, 1.0, radius, origin, rotation):
+    if first > 0 and _meets(lines, lines.flange, 1.0, radius, origin, rotation, margin):
         first = 0
-    if stop < n and _meets(lines, lines.field, -1.0, radius, origin, rotation):
+    if stop < n and _meets(lines, lines.field, -1.0, radius, origin, rotation, margin):
         stop = n
     return first, stop
 
 
 @borrowing
-def _meets(lines: Lines, box: Box, hand: float, radius: float, origin: Array, rotation: Array) -> bool:
-    """Whether lines in a box, which the ordinary ones follow in the direction hand of y, may overlap the rail.
+def _meets(lines: Lines, box: Box, hand: float, radius: float, origin: Array, rotation: Array, margin: float) -> bool:
+    """Whether lines in a box, which the ordinary ones follow in the direction hand of y, may come closer to the rail
+    than a margin m.
 
     A point of theirs at a distance r from the axle and an angle t from the lowest place lies at the height
     o_z + R_zy y + r (R_zx sin t - R_zz cos t), and laterally at o_y + R_yy y + r (R_yx sin t - R_yz cos t).
     """
     r, least = radius + box.high, radius + box.low
     reach = r * np.sqrt(rotation[2, 0] * rotation[2, 0] + rotation[2, 2] * rotation[2, 2])
-    centre, top = origin[2] - abs(rotation[2, 1]) * lines.widest, lines.before[-1]
+    centre, top = origin[2] - margin - abs(rotation[2, 1]) * lines.widest, lines.before[-1]
     if centre - reach >= top:
         return False
     # within the angles at which a point may be lower than the highest one of the rail
     cosine = min(max((centre - top) / reach, 0.0), 1.0)
     away = r * abs(rotation[1, 0]) * np.sqrt(1.0 - cosine * cosine)
     away += abs(rotation[1, 2]) * (r - least * cosine + r * abs(rotation[2, 0]))
-    side = origin[1] + rotation[1, 1] * box.side - rotation[1, 2] * r + hand * away
+    side = origin[1] + rotation[1, 1] * box.side - rotation[1, 2] * r + hand * (away + margin)
     low, high = 0, len(lines.across)  # number of the rail's samples before the side
     while low < high:
         middle = (low + high) // 2

@@ -84,7 +84,7 @@ class RigidWheelRail:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
     def check(self, pose: Pose) -> None:
-        """Raises ValueError for a wheel without contacts; see `check_outside`."""
+        """Raises ValueError for a wheel that is not outside the rail; see `check_outside`."""
         check_outside(self.wheel, self.rail, self.radius, pose, self.lines)
 
     def approach(self, pose: Pose) -> float:
@@ -93,8 +93,11 @@ class RigidWheelRail:
 
     def nearest(self, pose: Pose) -> tuple[float, float, float]:
         """As `wheelrail.contact.geometry.surface_gap.nearest_place`."""
-        rotation = np.ascontiguousarray(pose.rotation)
-        return nearest_place(self.wheel.shape, self.rail.shape, self.radius, pose.origin, rotation, self.lines)
+        wheel, rail, origin = self.wheel.shape, self.rail.shape, pose.origin
+        radius, rotation, lines = self.radius, np.ascontiguousarray(pose.rotation), self.lines
+        part = lines_to_scan(lines, radius, origin, rotation)
+        samples = scan(rail, lines, radius, origin, rotation, part)
+        return nearest_place(wheel, rail, radius, origin, rotation, lines, part, samples)
 
     def unsolved(self, pose: Pose, first: float, last: float) -> str:
         """Depth and place of the deepest overlap on lines of the wheel that a model leaves out; empty without.

@@ -1,8 +1,14 @@
 """Tractions of rolling contact by Kalker's simplified theory, strip by strip: FASTSIM.
 
 J. J. Kalker, Vehicle System Dynamics 11 (1982) 1-13, doi:10.1080/00423118208968684. Three flexibilities, one each for
-longitudinal and lateral creepage and for spin, from the coefficients of the ellipse with the patch's second moments;
-tractions are bounded by friction times a parabola along each strip with the strip's normal force: Kalker's paraboloid
+longitudinal and lateral creepage and for spin, from the coefficients of the ellipse with the patch's second moments.
+
+Where surfaces stick, tractions q fall along the strip by e, the rate of displacements over their flexibilities: a
+complex number, as q is. The rigid slip w has another direction. With e = w / L at every place, L a complex flexibility,
+slip against q gives q' = -e - k (e / w) q, k >= 0: where all slides, q is opposite to w, not to e. Of e / w only the
+angle counts; instead of its tangent the sums take `turn_of`, which is smooth where e or w vanishes.
+
+Tractions are bounded by friction times a parabola along each strip with the strip's normal force: Kalker's paraboloid
 has the patch's, so that strips at its sides slide with less than friction times their load, those in its middle with
 more. Integration in the slip zone is of second order: 16 cells are as accurate as 64 are with steps of first order.
 """
@@ -15,6 +21,8 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing
+
+TINY = 1e-300
 
 
 class ElasticFoundation(NamedTuple):
@@ -42,26 +50,42 @@ def foundation(a: float, b: float, G: float, kalker: tuple[float, float, float])
 
 
 @borrowing
-def next_traction(qx: float, qy: float, dx: float, dy: float, bound: float) -> tuple[float, float, float]:
-    """Traction Pa after increments of displacement over flexibility dx, dy Pa, and the excess of the elastic one over
-    the bound Pa: 0 where the surfaces stick.
+def turn_of(ex: float, ey: float, wx: float, wy: float) -> float:
+    """Sine of the angle between rate of displacements over flexibilities and rigid slip over that of spin, less where
+    their sizes differ: smooth where one is zero.
+    """
+    return 2.0 * (ey * (wx - ex) - ex * (wy - ey)) / (ex * ex + ey * ey + wx * wx + wy * wy + TINY)
+
+
+@borrowing
+def next_traction(qx: float, qy: float, dx: float, dy: float, turn: float, bound: float) -> tuple[float, float, float]:
+    """Traction Pa after increments of displacement over flexibility, and the excess of the elastic one over the bound
+    Pa: 0 where the surfaces stick.
+
+    Parameters:
+        qx, qy: Pa, traction before.
+        dx, dy: Pa, increments.
+        turn: imaginary over real part of the increments over the rigid slip.
+        bound: Pa.
     """
     square = (qx - dx) * (qx - dx) + (qy - dy) * (qy - dy)
     if square <= bound * bound:
         return qx - dx, qy - dy, 0.0
     before, size = np.sqrt(qx * qx + qy * qy), np.sqrt(square)
-    # the previous traction is reduced so that its direction is of second order in the step
-    factor = max(1.0 + 0.5 * (bound - size) / before, 0.5) if before > 0.0 else 1.0
-    qx, qy = factor * qx - dx, factor * qy - dy
-    scale = bound / np.sqrt(qx * qx + qy * qy)
-    return scale * qx, scale * qy, size - bound
+    # half of the slip along the previous traction, half along the new one: directions are of second order in the step
+    cut = min(0.5 * (size - bound) / before, 0.5) if before > 0.0 else 0.0
+    nx, ny = qx - cut * (qx - turn * qy) - dx, qy - cut * (qy + turn * qx) - dy
+    beyond = (nx * nx + ny * ny) / (bound * bound) - 1.0
+    part = beyond / (1.0 + np.sqrt(1.0 + (1.0 + turn * turn) * beyond))
+    real, imaginary = (1.0 + part) / (1.0 + beyond), part * turn / (1.0 + beyond)
+    return real * nx + imaginary * ny, real * ny - imaginary * nx, size - bound
 
 
 @borrowing
 def strip_tractions(
     half: float,
     creep: tuple[float, float],
-    spin: tuple[float, float, float],
+    own: tuple[float, float, float],
     flexible: ElasticFoundation,
     bounds: Array,
     traction: Array,
@@ -71,8 +95,8 @@ def strip_tractions(
 
     Parameters:
         half: half length, m.
-        creep: longitudinal and lateral creepage at the centre of the patch.
-        spin: increments of both in the middle of this strip, and derivative of the lateral one along x, 1/m.
+        creep: mean longitudinal and lateral creepage of the patch.
+        own: both in the middle of this strip, and spin 1/m.
         flexible: flexibilities, m/Pa.
         bounds: (m,) Pa, of the traction.
         traction: (m, 2) Pa, filled.
@@ -80,13 +104,18 @@ def strip_tractions(
     """
     m = len(bounds)
     h, qx, qy = 2.0 * half / m, 0.0, 0.0
-    mean = 0.5 * (flexible.along + flexible.across)
+    apart_x = creep[0] * (1.0 / flexible.spin - 1.0 / flexible.along)
+    apart_y = creep[1] * (1.0 / flexible.spin - 1.0 / flexible.across)
+    softest, stiffest = max(flexible), min(flexible)
     step, x = 0.5 * h, half - 0.25 * h
     for i in range(m - 1, -1, -1):
-        dx = step * (creep[0] / flexible.along + spin[0] / flexible.spin)
-        dy = step * (creep[1] / flexible.across + (spin[1] + spin[2] * x) / flexible.spin)
-        qx, qy, beyond = next_traction(qx, qy, dx, dy, bounds[i])
-        excess = beyond * mean / (step * bounds[i]) if beyond > 0.0 else 0.0
+        wx, wy = own[0] / flexible.spin, (own[1] + own[2] * x) / flexible.spin
+        ex, ey = wx - apart_x, wy - apart_y
+        qx, qy, beyond = next_traction(qx, qy, step * ex, step * ey, turn_of(ex, ey, wx, wy), bounds[i])
+        excess = 0.0
+        if beyond > 0.0:
+            rate, rigid = np.sqrt(ex * ex + ey * ey), flexible.spin * np.sqrt(wx * wx + wy * wy)
+            excess = beyond / (step * bounds[i]) * min(max(rigid / max(rate, TINY), stiffest), softest)
         slip[i, 0], slip[i, 1] = -excess * qx, -excess * qy
         traction[i, 0], traction[i, 1] = qx, qy
         x -= 0.75 * h if i == m - 1 else h

@@ -15,11 +15,11 @@ from wheelrail.contact.geometry.interpenetration import PenetrationRegions
 from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities, rolling_speed
 from wheelrail.contact.models.standard.creep_coefficients import PairElasticity, coefficients
 from wheelrail.contact.models.standard.fastsim import foundation
-from wheelrail.contact.models.standard.forces import PARABOLA, StripFrames, half_ellipse_means, mean_creepages
+from wheelrail.contact.models.standard.forces import PARABOLA, StripFrames, mean_creepages, parabola_means
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.models.standard.pressure_derivatives import PressureDerivatives
 from wheelrail.contact.models.standard.region_derivatives import MOTIONS, RegionDerivatives, rigid_motions
-from wheelrail.contact.models.standard.strip_resultant import END, strip_increments, strip_slopes
+from wheelrail.contact.models.standard.strip_resultant import END, INCREMENTS, strip_increments, strip_slopes
 from wheelrail.meshes.curves.closest_point import Shape, local, piece
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, unchecked
@@ -173,7 +173,7 @@ class Derivation(NamedTuple):
     """Arrays that are filled on the way to the derivatives.
 
     Parameters:
-        increments, resultants, slopes: (n, 3), (n, 3), zero, and (n, 3, 3), zero, of the strips.
+        increments, resultants, slopes: (n, 5), (n, 3), zero, and (n, 3, 5), zero, of the strips.
         lanes: (END,), of FASTSIM.
         bounds: (m,) of the traction on the cells of a strip, over the largest one.
         creepage, by_creepage: (n, 3) and (n, 3, 12), of the strips.
@@ -182,6 +182,7 @@ class Derivation(NamedTuple):
         by_speed: (12,), of the rolling speed.
         by_patch: (2, 12), of the longitudinal and lateral creepage of a patch.
         of_patch, by_strip, by_force: (6, 12), (3, 12) and (4, 12), zero.
+        changes: (3,), of the resultants of a strip.
     """
 
     increments: Array
@@ -199,6 +200,7 @@ class Derivation(NamedTuple):
     of_patch: Array
     by_strip: Array
     by_force: Array
+    changes: Array
 
 
 @unchecked
@@ -230,12 +232,12 @@ def force_derivatives(
         cells: along each strip.
         by_zones, by_strips: derivatives of regions and pressures.
     """
-    tangent, n, dome = np.zeros((6, CHANGES)), len(strips.s), half_ellipse_means(cells)[1]
+    tangent, n, dome = np.zeros((6, CHANGES)), len(strips.s), parabola_means(cells)
     top = dome.max()
     work = Derivation(
-        np.empty((n, 3)),
+        np.empty((n, INCREMENTS)),
         np.zeros((n, 3)),
-        np.zeros((n, 3, 3)),
+        np.zeros((n, 3, INCREMENTS)),
         np.empty(END),
         dome / top,
         np.empty((n, 3)),
@@ -248,6 +250,7 @@ def force_derivatives(
         np.zeros((6, CHANGES)),
         np.zeros((3, CHANGES)),
         np.zeros((4, CHANGES)),
+        np.empty(3),
     )
     of_pair, of_regions = (elastic, mu, top), (by_zones, by_strips)
     add_derivatives(wheel, radius, pose, zones, strips, frames, v, of_pair, of_regions, work, tangent)
@@ -282,7 +285,7 @@ def add_derivatives(
     lanes = work.lanes
     by_points, by_frames, reference, by_speed = work.by_points, work.by_frames, work.reference, work.by_speed
     creepage, by_creepage, by_patch, of_patch = work.creepage, work.by_creepage, work.by_patch, work.of_patch
-    by_strip, by_force = work.by_strip, work.by_force
+    by_strip, by_force, changes = work.by_strip, work.by_force, work.changes
     at = v.wheel_at
     rigid_motions(at[0] - origin[0], at[1] - origin[1], at[2] - origin[2], False, reference)
     start, n = 0, len(strips.s)
@@ -330,14 +333,16 @@ def add_derivatives(
             of_patch[2, q] = 1.5 * by_a - 0.5 * by_b - kalker_slopes[2] * ratio / kalker[2]
             of_patch[5, q] = by_zones.contacts[c, 3, q]
         for q in range(CHANGES):
-            of_patch[3, q] = (by_patch[0, q] - xi * of_patch[0, q]) / flexible.along - by_patch[0, q] / flexible.spin
-            of_patch[4, q] = (by_patch[1, q] - eta * of_patch[1, q]) / flexible.across - by_patch[1, q] / flexible.spin
+            by_spin, by_along, by_across = of_patch[2, q], of_patch[0, q], of_patch[1, q]
+            of_patch[3, q] = (by_patch[0, q] - xi * by_spin) / flexible.spin
+            of_patch[3, q] -= (by_patch[0, q] - xi * by_along) / flexible.along
+            of_patch[4, q] = (by_patch[1, q] - eta * by_spin) / flexible.spin
+            of_patch[4, q] -= (by_patch[1, q] - eta * by_across) / flexible.across
         if mu > 0.0:
             for i in range(start, stop):
                 bound = mu * PARABOLA * strips.scale[i] * strips.half[i] * top
                 own = (creepage[i, 0], creepage[i, 1], creepage[i, 2])
-                along, across, turn = strip_increments(flexible, (xi, eta), own, strips.half[i], bound)
-                increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
+                strip_increments(flexible, (xi, eta), own, strips.half[i], bound, increments[i])
             strip_slopes(increments[start:stop], bounds, resultants[start:stop], all_slopes[start:stop], lanes)
         for i in range(start, stop):
             half, width, by_own = strips.half[i], strips.width[i], by_creepage[i]
@@ -347,11 +352,8 @@ def add_derivatives(
             values = (0.0, 0.0, normal * weight, 0.0)
             if mu > 0.0:
                 bound = mu * PARABOLA * strips.scale[i] * half * top
-                scale = 1.5 * mu * top * normal
+                scale, over, rigid = 1.5 * mu * top * normal, half / bound, half / (bound * flexible.spin)
                 wx, wy, spin = creepage[i, 0], creepage[i, 1], creepage[i, 2]
-                gx = xi / flexible.along + (wx - xi) / flexible.spin
-                gy = eta / flexible.across + (wy - eta) / flexible.spin
-                gs = spin / flexible.spin
                 resultant, slopes = resultants[i], all_slopes[i]
                 for q in range(MOTIONS):
                     by_strip[0, q] = by_strips.strips[i, 3, q] / half
@@ -364,15 +366,17 @@ def add_derivatives(
                     by_half, by_normal, by_3 = by_strip[0, q], by_strip[2, q], of_patch[2, q]
                     # the bound is in proportion to the normal force over length and width
                     shrink, grow = 2.0 * by_half + by_strip[1, q] - by_normal, weight * by_normal + of_patch[5, q]
-                    by_gx = of_patch[3, q] + (by_own[0, q] - (wx - xi) * by_3) / flexible.spin
-                    by_gy = of_patch[4, q] + (by_own[1, q] - (wy - eta) * by_3) / flexible.spin
-                    by_gs = (by_own[2, q] - spin * by_3) / flexible.spin
-                    ex, ey = half / bound * (by_gx + gx * shrink), half / bound * (by_gy + gy * shrink)
-                    es = half * half / bound * (by_gs + gs * (shrink + by_half))
-                    by_force[0, q] = size * (slopes[0, 0] * ex + slopes[0, 1] * ey + slopes[0, 2] * es) + x * grow
-                    by_force[1, q] = size * (slopes[1, 0] * ex + slopes[1, 1] * ey + slopes[1, 2] * es) + y * grow
-                    by_turn = slopes[2, 0] * ex + slopes[2, 1] * ey + slopes[2, 2] * es
-                    by_force[3, q] = half * size * by_turn + turn * (grow + weight * by_half)
+                    less = shrink - by_3
+                    ex, ey = rigid * (by_own[0, q] + wx * less), rigid * (by_own[1, q] + wy * less)
+                    es = rigid * half * (by_own[2, q] + spin * (less + by_half))
+                    dx = over * of_patch[3, q] + increments[i, 3] * shrink
+                    dy = over * of_patch[4, q] + increments[i, 4] * shrink
+                    for d in range(3):
+                        changes[d] = slopes[d, 0] * ex + slopes[d, 1] * ey + slopes[d, 2] * es
+                        changes[d] += slopes[d, 3] * dx + slopes[d, 4] * dy
+                    by_force[0, q] = size * changes[0] + x * grow
+                    by_force[1, q] = size * changes[1] + y * grow
+                    by_force[3, q] = half * size * changes[2] + turn * (grow + weight * by_half)
             add_strip(middles.point[i], middles.axes[i], values, by_points[i], by_frames[i], by_force, tangent)
         start = stop
 

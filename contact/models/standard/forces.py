@@ -147,9 +147,9 @@ def rolling_patch(
 
 
 @compiled
-def half_ellipse_means(cells: int) -> tuple[Array, Array]:
-    """Means (m,) over m equal cells from -1 to 1 of sqrt(1 - t^2) and of 1 - t^2."""
-    arch, dome = np.empty(cells), np.empty(cells)
+def half_ellipse_means(cells: int) -> Array:
+    """Means (m,) over m equal cells from -1 to 1 of sqrt(1 - t^2)."""
+    arch = np.empty(cells)
     for j in range(cells):
         low, high = 2.0 * j / cells - 1.0, 2.0 * (j + 1) / cells - 1.0
         arch[j] = (
@@ -162,8 +162,17 @@ def half_ellipse_means(cells: int) -> tuple[Array, Array]:
                 - np.arcsin(low)
             )
         )
+    return arch
+
+
+@compiled
+def parabola_means(cells: int) -> Array:
+    """Means (m,) over m equal cells from -1 to 1 of 1 - t^2."""
+    dome = np.empty(cells)
+    for j in range(cells):
+        low, high = 2.0 * j / cells - 1.0, 2.0 * (j + 1) / cells - 1.0
         dome[j] = 1.0 - (high * high + high * low + low * low) / 3.0
-    return arch, dome
+    return dome
 
 
 @borrowing
@@ -203,11 +212,11 @@ def fastsim_strip(
         traction, slip: filled.
     """
     m = len(dome)
-    (xi, eta, _), (wx, wy, spin) = patch.creepages, creepage
+    xi, eta, _ = patch.creepages
     bounds = np.empty(m)
     for j in range(m):
         bounds[j] = friction[j] * PARABOLA * peak * dome[j]
-    strip_tractions(half, (xi, eta), (wx - xi, wy - eta, spin), patch.flexibility, bounds, traction, slip)
+    strip_tractions(half, (xi, eta), creepage, patch.flexibility, bounds, traction, slip)
 
 
 @compiled
@@ -323,7 +332,7 @@ def strip_forces(
         np.zeros((n * m, 2)),
         np.zeros(n * m, dtype=np.bool_),
     )
-    arch, dome = half_ellipse_means(m)
+    arch, dome = half_ellipse_means(m), parabola_means(m)
     start, all_creepages = 0, np.empty((n, 3))
     for c in range(k):
         stop = start

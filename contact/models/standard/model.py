@@ -211,12 +211,13 @@ class StandardContact:
     def _result(self, solved: SolvedWheels, i: int, values: list[float], force: Array, moment: Array) -> ContactResult:
         """Result of wheel i."""
         approach, beyond, contacts, points, along, across, speed, pressure = values
-        if beyond or not contacts:
+        if beyond:
             assert isinstance(self.surfaces, RigidWheelRail)
             try:
                 self.surfaces.check(solved.pairs.pose(i))
             except ValueError as error:
                 return ContactResult.failed(str(error))
+        if not contacts:
             return ContactResult.separated(min(approach, 0.0))
         failure = self._failure(approach, (along, across), speed, pressure)
         if failure:

@@ -13,12 +13,12 @@ from wheelrail.contact.models.standard.forces import (
     PARABOLA,
     POLACH,
     StripFrames,
-    half_ellipse_means,
+    parabola_means,
     polach_force,
     rolling_patch,
 )
 from wheelrail.contact.models.standard.normal import StripPressures
-from wheelrail.contact.models.standard.strip_resultant import END, strip_increments, strip_resultants
+from wheelrail.contact.models.standard.strip_resultant import END, INCREMENTS, strip_increments, strip_resultants
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
 
@@ -50,9 +50,9 @@ def strip_loads(
     The sums over all cells of `wheelrail.contact.models.standard.forces.strip_forces`.
     """
     method, mu, reduction, cells = friction
-    dome, slowest, start = half_ellipse_means(cells)[1], np.inf, 0
+    dome, slowest, start = parabola_means(cells), np.inf, 0
     top = dome.max()
-    bounds, increments, resultants = dome / top, np.empty((len(strips.s), 3)), np.empty((len(strips.s), 3))
+    bounds, increments, resultants = dome / top, np.empty((len(strips.s), INCREMENTS)), np.empty((len(strips.s), 3))
     lanes, creepage = np.empty(END), np.empty((len(strips.s), 3))
     for c in range(len(zones.peak)):
         stop = start
@@ -69,8 +69,7 @@ def strip_loads(
                 half = strips.half[i]
                 own = creepage[i, 0], creepage[i, 1], creepage[i, 2]
                 bound, creep = mu * PARABOLA * strips.scale[i] * half * top, (patch.creepages[0], patch.creepages[1])
-                along, across, turn = strip_increments(patch.flexibility, creep, own, half, bound)
-                increments[i, 0], increments[i, 1], increments[i, 2] = along, across, turn
+                strip_increments(patch.flexibility, creep, own, half, bound, increments[i])
             strip_resultants(increments[start:stop], bounds, resultants[start:stop], lanes)
         for i in range(start, stop):
             half, size = strips.half[i], strips.width[i] * zones.weight[c]

@@ -62,7 +62,7 @@ class WheelForces(NamedTuple):
 
     Parameters:
         wrench: (w, 6) force N and moment N m.
-        values: (w, 8), largest penetration m; 1 for a wheel that overlaps the rail at an end of a profile, otherwise 0;
+        values: (w, 8), largest penetration m; 1 for a wheel inside the rail or over an end of a profile, otherwise 0;
             numbers of contacts and of cells; largest semi-axes m along and across; smallest rolling speed m/s; largest
             pressure Pa.
         starts: (w + 1, 6) first rows of each wheel in the arrays that follow.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wheelrail.contact.geometry.interpenetration import covered, merging_weights
+from wheelrail.contact.geometry.interpenetration import VIRTUAL, covered, merging_weights
 from wheelrail.support.arrays import Array
 
 MERGE = 4e-3
@@ -38,6 +38,18 @@ def test_weights_of_maxima_without_valleys_and_far_apart() -> None:
     np.testing.assert_allclose(shallow, 1 / 3, atol=2e-4)
     apart = weights(rows(PLACES * [1.5, 1.0, 1.0], HEIGHTS), rows(BETWEEN, np.zeros(2)))
     np.testing.assert_array_equal(apart, 1.0)
+
+
+@pytest.mark.parametrize("minimum", [20.0, 25.0, 30.0, 34.0, 37.0, 39.9])
+def test_no_load_is_counted_twice(minimum: float) -> None:
+    """Two equal humps: each of their contacts has its own load and what its region covers of the other one's; at
+    06d44fc up to 1.2 loads.
+    """
+    height = 40e-6
+    (one, other) = weights(rows(np.array([0.0, 0.01]), np.full(2, height)), rows(np.array([5e-3]), [1e-6 * minimum]))
+    level = (1 - VIRTUAL) * height
+    part = covered(VIRTUAL * height, 1e-6 * minimum - level, 0.01, MERGE)[0] / (VIRTUAL * height)
+    assert one == other == pytest.approx(1 / (1 + part), abs=2e-4)
 
 
 def test_order_of_equal_minima_does_not_matter() -> None:

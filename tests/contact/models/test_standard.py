@@ -151,8 +151,8 @@ def test_creep_curves() -> None:
         for way in ("fastsim", "polach")
     }
     size = {way: np.hypot(*error.T) for way, error in errors.items()}
-    assert np.sqrt((size["fastsim"] ** 2).mean()) < 0.045
-    assert size["fastsim"].max() < 0.09
+    assert np.sqrt((size["fastsim"] ** 2).mean()) < 0.025  # at 06d44fc 0.037
+    assert size["fastsim"].max() < 0.06  # 0.069
     assert np.sqrt((size["polach"] ** 2).mean()) < 0.09
     assert size["polach"].max() < 0.15
 
@@ -182,13 +182,34 @@ def test_saturation_and_dissipation() -> None:
         model = pair((0.46, 0.3), tangential=way)
         result = model(hertz_pose(6e-5), rolling(0.3, 0.4, 0.0))
         assert np.hypot(*result.force[:2]) == pytest.approx(0.3 * result.force[2], rel=2e-3)
-        # FASTSIM's flexibilities are not the same along and across: it slides 3 degrees aside
+        # FASTSIM's flexibilities are not the same along and across: at 06d44fc it slid 3 degrees aside, now 0.1
         angle = np.arctan2(*result.force[:2]) - np.arctan2(-0.3, -0.4)
-        assert abs(angle) < (0.06 if way == "fastsim" else 1e-3)
+        assert abs(angle) < 2e-3
         (patch,) = result.patches
         assert patch.creepage == pytest.approx((0.3, 0.4, 0.0))
         assert patch.frictional_power == pytest.approx(0.3 * patch.normal_force * 0.5 * V, rel=2e-3)
         assert patch.stick_area == 0.0
+
+
+@pytest.mark.parametrize(
+    ("creep", "error"), [((0.02, -0.01, 3.0), 0.02), ((0.0, 0.03, 6.0), 0.025), ((0.01, 0.01, -4.0), 0.06)]
+)
+def test_sliding_patches_slide_against_the_rigid_slip(creep: tuple[float, float, float], error: float) -> None:
+    """Where all slides: friction times pressure against xi - phi y, eta + phi x; at 06d44fc off by 5, 7, 12 % of mu N.
+
+    Strips have parabolas of traction with their own loads; the spin's pole is beside the patch, at last within it.
+    """
+    model = pair((0.46, 0.16), 0.3, cells=64)
+    result = model(hertz_pose(6e-5), rolling(*(10 * c for c in creep)))
+    (patch,), load = result.patches, result.force[2]
+    (a, b), t = patch.semi_axes, (np.arange(400) + 0.5) / 200 - 1
+    y, along = np.meshgrid(b * t, t)
+    half = a * np.sqrt(1 - (y / b) ** 2)
+    x, weight = half * along, half**2 * (1 - along**2)
+    wx, wy = creep[0] - creep[2] * y, creep[1] + creep[2] * x
+    size = np.hypot(wx, wy) * weight.sum()
+    expected = -np.array([(weight * wx / size).sum(), (weight * wy / size).sum()])
+    np.testing.assert_allclose(result.force[:2] / (0.3 * load), expected, atol=error)
 
 
 def test_polach_by_hand() -> None:
