@@ -2,8 +2,8 @@
 
 Reference figures of the curve are those of a program written before this one, with the contact in another program text:
 the same vehicle in a single compiled function, absolute positions by a table of the centre line. It agreed with Exudyn,
-too. Its patches have their centre at the deepest point and a paraboloid as bound, and slide along elastic displacements,
-which takes power: ALLOWED is for this difference.
+too. Its patches have their centre at the deepest point and a paraboloid as bound, and slide along elastic displacements
+over flexibilities, which takes power: ALLOWED is for this difference.
 """
 
 from __future__ import annotations

@@ -100,23 +100,29 @@ def strip_tractions(
         flexible: flexibilities, m/Pa.
         bounds: (m,) Pa, of the traction.
         traction: (m, 2) Pa, filled.
-        slip: (m, 2) over the speed, filled.
+        slip: (m, 2) over the speed, filled: means of both halves of the cells, with which tractions lose the power of
+            the rigid slip.
     """
     m = len(bounds)
-    h, qx, qy = 2.0 * half / m, 0.0, 0.0
+    h, qx, qy, before = 2.0 * half / m, 0.0, 0.0, 0.0
     apart_x = creep[0] * (1.0 / flexible.spin - 1.0 / flexible.along)
     apart_y = creep[1] * (1.0 / flexible.spin - 1.0 / flexible.across)
     softest, stiffest = max(flexible), min(flexible)
     step, x = 0.5 * h, half - 0.25 * h
-    for i in range(m - 1, -1, -1):
+    for i in range(m - 1, -2, -1):
         wx, wy = own[0] / flexible.spin, (own[1] + own[2] * x) / flexible.spin
         ex, ey = wx - apart_x, wy - apart_y
-        qx, qy, beyond = next_traction(qx, qy, step * ex, step * ey, turn_of(ex, ey, wx, wy), bounds[i])
-        excess = 0.0
-        if beyond > 0.0:
-            rate, rigid = np.sqrt(ex * ex + ey * ey), flexible.spin * np.sqrt(wx * wx + wy * wy)
-            excess = beyond / (step * bounds[i]) * min(max(rigid / max(rate, TINY), stiffest), softest)
-        slip[i, 0], slip[i, 1] = -excess * qx, -excess * qy
-        traction[i, 0], traction[i, 1] = qx, qy
-        x -= 0.75 * h if i == m - 1 else h
-        step = h
+        after = np.sqrt((qx - step * ex) ** 2 + (qy - step * ey) ** 2)  # to no traction at the trailing end
+        if i >= 0:
+            qx, qy, after = next_traction(qx, qy, step * ex, step * ey, turn_of(ex, ey, wx, wy), bounds[i])
+            traction[i, 0], traction[i, 1] = qx, qy
+        rate, rigid = np.sqrt(ex * ex + ey * ey), flexible.spin * np.sqrt(wx * wx + wy * wy)
+        after *= min(max(rigid / max(rate, TINY), stiffest), softest) / step
+        if i < m - 1:
+            mean = -0.5 * (before + after) / bounds[i + 1] if before > 0.0 else 0.0
+            slip[i + 1, 0], slip[i + 1, 1] = mean * traction[i + 1, 0], mean * traction[i + 1, 1]
+            if before == 0.0:  # slip that begins behind the middle of a cell is that of the next one
+                after *= 2.0
+        before = after
+        x -= 0.75 * h if i == m - 1 or i == 0 else h
+        step = h if i > 0 else 0.5 * h
