@@ -367,17 +367,17 @@ def inside(lines: Lines, samples: Scan, part: tuple[int, int], radius: float, or
     """Whether a part of the wheel below its axle lies under the rail's surface; parameters as for `scan`, whose result
     the samples are: where they are above the rail, the wheel is.
     """
-    across, n = lines.across, len(lines.across)
+    across, heights = lines.outline[0], lines.outline[1]
     for i in range(part[0], part[1]):
         if samples.sample[i] >= 0 and samples.depth[i] <= 0.0:
             continue
         along, r = lines.point[i].real, lines.point[i].imag + radius
         y = origin[1] + rotation[1, 1] * along - rotation[1, 2] * r
-        if not across[0] < y < across[n - 1]:
+        if not across[0] < y < across[-1]:
             continue
         k = np.searchsorted(across, y)
         share = (y - across[k - 1]) / (across[k] - across[k - 1])
-        surface = lines.heights[k - 1] + share * (lines.heights[k] - lines.heights[k - 1])
+        surface = heights[k - 1] + share * (heights[k] - heights[k - 1])
         if origin[2] + rotation[2, 1] * along - rotation[2, 2] * r < surface - INSIDE:
             return True
     return False

@@ -36,8 +36,8 @@ class Lines(NamedTuple):
         first, stop: of the ordinary lines, which are always looked at.
         flange, field: bounds of the lines before first, and from stop on.
         widest: m, largest distance of a line from y = 0.
-        across, heights: (m,) m, lateral positions of the rail's samples, increasing, and heights.
-        before, after: (m,) m, largest height of the rail up to there, and from there on.
+        outline: (4, m) m, lateral positions of the rail's samples, increasing, heights, largest heights up to there, and
+            from there on.
     """
 
     s: Array
@@ -50,10 +50,7 @@ class Lines(NamedTuple):
     flange: Box
     field: Box
     widest: float
-    across: Array
-    heights: Array
-    before: Array
-    after: Array
+    outline: Array
 
     @classmethod
     def of(cls, wheel: Profile, rail: Profile, ordinary: tuple[float, float], spacing: float) -> Lines:
@@ -72,6 +69,7 @@ class Lines(NamedTuple):
         first, end = int(np.searchsorted(s, start)), int(np.searchsorted(s, stop, side="right"))
         order, at = np.argsort(rail.shape.sampled.real, kind="stable"), rail.shape.samples
         heights = rail.shape.sampled.imag[order]
+        before, after = np.maximum.accumulate(heights), np.maximum.accumulate(heights[::-1])[::-1]
         return cls(
             s,
             point,
@@ -83,10 +81,7 @@ class Lines(NamedTuple):
             _box(point[:first], 1.0),
             _box(point[end:], -1.0),
             float(np.abs(point.real).max()),
-            rail.shape.sampled.real[order],
-            heights,
-            np.maximum.accumulate(heights),
-            np.maximum.accumulate(heights[::-1])[::-1].copy(),
+            np.array([rail.shape.sampled.real[order], heights, before, after]),
         )
 
 
@@ -128,7 +123,7 @@ def _meets(lines: Lines, box: Box, hand: float, radius: float, origin: Array, ro
     """
     r, least = radius + box.high, radius + box.low
     reach = r * np.sqrt(rotation[2, 0] * rotation[2, 0] + rotation[2, 2] * rotation[2, 2])
-    centre, top = origin[2] - margin - abs(rotation[2, 1]) * lines.widest, lines.before[-1]
+    centre, top = origin[2] - margin - abs(rotation[2, 1]) * lines.widest, lines.outline[2, -1]
     if centre - reach >= top:
         return False
     # within the angles at which a point may be lower than the highest one of the rail
@@ -136,16 +131,16 @@ def _meets(lines: Lines, box: Box, hand: float, radius: float, origin: Array, ro
     away = r * abs(rotation[1, 0]) * np.sqrt(1.0 - cosine * cosine)
     away += abs(rotation[1, 2]) * (r - least * cosine + r * abs(rotation[2, 0]))
     side = origin[1] + rotation[1, 1] * box.side - rotation[1, 2] * r + hand * (away + margin)
-    low, high = 0, len(lines.across)  # number of the rail's samples before the side
+    low, high = 0, lines.outline.shape[1]  # number of the rail's samples before the side
     while low < high:
         middle = (low + high) // 2
-        if lines.across[middle] < side:
+        if lines.outline[0, middle] < side:
             low = middle + 1
         else:
             high = middle
     if hand > 0.0:
-        return low > 0 and lines.before[low - 1] > centre - reach
-    return low < len(lines.across) and lines.after[low] > centre - reach
+        return low > 0 and lines.outline[2, low - 1] > centre - reach
+    return low < lines.outline.shape[1] and lines.outline[3, low] > centre - reach
 
 
 @unchecked
