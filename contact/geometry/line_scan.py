@@ -36,8 +36,8 @@ class Lines(NamedTuple):
         first, stop: of the ordinary lines, which are always looked at.
         flange, field: bounds of the lines before first, and from stop on.
         widest: m, largest distance of a line from y = 0.
-        outline: (4, m) m, lateral positions of the rail's samples, increasing, heights, largest heights up to there, and
-            from there on.
+        outline: (4, m) m, lateral positions of the rail's samples, increasing, heights, largest heights up to there
+            and from there on.
     """
 
     s: Array
