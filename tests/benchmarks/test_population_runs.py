@@ -8,8 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from benchmarks.population import runs
-from benchmarks.population.runs import Run, faults, judged
+from benchmarks.population import drawn_run
+from benchmarks.population.drawn_run import Run
+from benchmarks.population.runs import BY_METHOD, EVENTS, USUAL, conclusion, faults, judged, off_the_rails
+from wheelrail.vehicle.integration.integrate import METHODS
+from wheelrail.vehicle.multibody.coordinates import Y
+from wheelrail.vehicle.simulation import time_run
 from wheelrail.vehicle.simulation.history import History
 
 SEED = 164  # a plane wagon in a curve of 270 m
@@ -37,8 +41,14 @@ def test_a_seed_gives_one_run_and_the_population_covers_its_ranges() -> None:
     assert speeds.max() > 50.0
     assert radii.min() < 280.0
     assert 0.2 < np.isinf(radii).mean() < 0.4
-    assert {own.method for own in many} == {"rosenbrock", "rosenbrock4", "ode23"}
-    assert {own.plane for own in many} == {True, False}
+    assert {own.method for own in many} == set(METHODS)
+    assert {own.plane for own in many} == {own.sleepers for own in many} == {True, False}
+    assert {own.vehicle.speed_hold is None for own in many[:20]} == {True, False}
+    dips = [own for own in many if own.irregularities is not None and len(own.irregularities.stations) == 101]
+    assert len(dips) > 50
+    loads = [own.loads for own in many[:20]]
+    assert any(own.forces for own in loads)
+    assert any(own.torques for own in loads)
     assert len({own.pair for own in many}) >= 10
 
 
@@ -82,6 +92,54 @@ def test_what_raises_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
     def raises(*arguments: object, **options: object) -> None:
         raise ZeroDivisionError("planted")
 
-    monkeypatch.setattr(runs, "simulate", raises)
+    monkeypatch.setattr(drawn_run, "simulate", raises)
     assert judged(SEED).kind == "wrong"
     assert "ZeroDivisionError: planted" in judged(SEED).reason
+
+
+def at_event(event: str, method: str = "rosenbrock") -> Run:
+    return Run(0, fixed=tuple((USUAL | {"method": BY_METHOD[method]} | EVENTS[event]).items()))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_events_are_met_by_the_methods_they_name(method: str) -> None:
+    assert at_event("curve, wagon", method).method == method
+    assert at_event("curve").irregularities is None
+    assert at_event("sleepers, wagon").sleepers
+
+
+def test_a_run_that_jumps_over_a_curve_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without the resolution of what is prescribed, by the momentum of its rows and by short steps."""
+
+    class Unresolved:
+        def __init__(self, *arguments: object) -> None: ...
+
+        def longest_step(self, time: float, state: object, at: object, step: float) -> float:
+            return step
+
+    right = at_event("curve, wagon", "rosenbrock4").history(60.0)
+    monkeypatch.setattr(time_run, "Excitation", Unresolved)
+    jumped = at_event("curve, wagon", "rosenbrock4").history(60.0)
+    assert right.status == jumped.status == "completed"
+    found = "; ".join(faults(jumped, right, None))
+    assert "lateral forces differ" in found
+    assert "largest |y|" in found
+    assert conclusion(right, right, None) == ("right", "")
+
+
+def moved(history: History, y: float) -> History:
+    """With the wheelset at another place at the end, said to have left the rails."""
+    state, name = history.rows[-1].state.copy(), history.dynamics.vehicle.wheelsets[0]
+    state[history.dynamics.coordinates.index(name, Y)] = y
+    last = replace(history.rows[-1], state=state)
+    return replace(history, rows=[*history.rows[:-1], last], status="failed: the wheelset has left the rails")
+
+
+def test_a_derailment_is_explained_by_displacements_not_by_its_status() -> None:
+    run, _ = pair()
+    assert off_the_rails(run) == ""
+    on, off = moved(run, 6e-3), moved(run, 0.03)
+    assert conclusion(on, on, None)[0] == "unexplained failure"
+    assert conclusion(off, off, None)[0] == "explained failure"
+    assert conclusion(off, on, None)[0] == "unexplained failure"
+    assert conclusion(replace(off, status="completed"), off, None)[0] == "wrong"
