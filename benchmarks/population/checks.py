@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.population.draw import Situation
-from benchmarks.population.oracle import Section
+from benchmarks.population.oracle import RigidSide, Section
 from benchmarks.population.results import SideResult
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.support.arrays import Array, Mask
@@ -41,7 +41,7 @@ def broken(situation: Situation, side: Side, result: SideResult) -> list[str]:
         *_forces(situation, side, result),
         *_laws(situation, side, result),
         *_pose(situation, side, result),
-        *_overlap(situation, section, result),
+        *_overlap(situation, side, section, result),
     ]
 
 
@@ -118,7 +118,7 @@ def _laws(situation: Situation, side: Side, result: SideResult) -> Iterator[str]
     if total > (1.0 + FRICTION) * bound + 1e-9 * result.load:
         yield f"sum of the tractions is {total / max(bound, 1e-300):.6g} of the friction bound"
     power = (q * result.slip).sum(axis=1) * result.area
-    if power.sum() > 1e-3 * np.abs(power).sum():
+    if power.sum() > 1e-3 * np.abs(power).sum() + 1e-9 * result.load:
         yield "friction does work on the wheel and the rail"
 
 
@@ -137,7 +137,7 @@ def _pose(situation: Situation, side: Side, result: SideResult) -> Iterator[str]
         yield f"the pose of the wheel is {1e6 * off:.2f} um off"
 
 
-def _overlap(situation: Situation, section: Section, result: SideResult) -> Iterator[str]:
+def _overlap(situation: Situation, side: Side, section: Section, result: SideResult) -> Iterator[str]:
     """Approach, and overlap that remains outside the patches beyond the elastic lowering of the surfaces there."""
     y, depth = section.y, section.depth
     inside = np.zeros(len(y), dtype=bool)
@@ -150,6 +150,7 @@ def _overlap(situation: Situation, section: Section, result: SideResult) -> Iter
     within = float(depth[inside].max(initial=-np.inf))
     few = situation.wheelset.get("strips", FEW) < FEW
     allowed = TOUCH + (ROUGH if few else GEOMETRY) * abs(result.approach) + between(situation)
+    allowed += _fall(situation.rigid[side], section, result)
     if abs(deepest - result.approach) > allowed:
         at = _where(section, depth)
         yield f"approach {1e6 * result.approach:.2f} um where the overlap is {1e6 * deepest:.2f} um{at}"
@@ -167,6 +168,20 @@ def _overlap(situation: Situation, section: Section, result: SideResult) -> Iter
     if excess.max() > margin:
         remaining = np.where(outside, depth, -np.inf)
         yield f"overlap of {1e6 * excess.max():.1f} um remains outside the contacts{_where(section, remaining)}"
+
+
+def _fall(rigid: RigidSide, section: Section, result: SideResult) -> float:
+    """Fall m of the overlap within the strip around its deepest point, where that is a corner of the wheel.
+
+    The approach on strips is a mean over the deepest one. At the chamfer of a rim, slopes of 0.2 and 0.9 beside it, it
+    is 26 um less on strips of 0.17 mm.
+    """
+    deepest = int(np.argmax(section.depth))
+    if not rigid.corners[deepest] or not result.strips.all():
+        return 0.0
+    width = float((np.diff(result.bands, axis=1)[:, 0] / result.strips).max(initial=0.0))
+    near = np.abs(section.y - section.y[deepest]) <= width
+    return float(section.depth[deepest] - section.depth[near].mean())
 
 
 def _connected(overlaps: Mask, inside: Mask) -> Mask:

@@ -188,7 +188,14 @@ class _Draw:
 
     def model(self) -> dict[str, Any]:
         """Contact model and resolution."""
-        kinds = {"half-space": 50, "standard": 35, "waveguide": 10, "grid": 3, "solid": 1.5, "full": 0.5}
+        kinds = {
+            "half-space": 50,
+            "standard": 35,
+            "waveguide": 10,
+            "grid": 3,
+            "solid": 0.4,
+            "full": 0.1,
+        }  # a minute each
         kind = self.choice({name: weight for name, weight in kinds.items() if not self.quick or weight > 20})
         if kind == "standard":
             normal = self.choice({None: 2, "kik-piotrowski": 1, "hertz": 2})
@@ -200,7 +207,8 @@ class _Draw:
         if kind in ("grid", "solid"):
             laws = self.choice({"exact": 1, "paper": 1})
             bodies = "waveguide" if kind == "grid" else "solid"
-            return {"bodies": bodies, "points": "grid", "surface_size": self.choice({1e-3: 1, 2e-3: 1}), "laws": laws}
+            size = self.choice({1e-3: kind == "grid", 2e-3: 1})
+            return {"bodies": bodies, "points": "grid", "surface_size": size, "laws": laws}
         how: dict[str, Any] = {"bodies": kind}
         if self.chance(0.65):
             how |= {"strips": int(self.random.integers(4, 15)), "cells": int(self.random.integers(6, 15))}

@@ -6,6 +6,7 @@ import re
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from time import process_time
 from typing import TYPE_CHECKING, Literal
 
@@ -266,13 +267,14 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
             return "pressed into the rail by more than half a millimetre"
         return ""
     named = NAMED.search(result.status)
+    rolls = resting_rolls(situation) if situation.solve.get("roll") == "solve" else [situation.solve.get("roll", 0.0)]
     if named:
-        y = 1e-3 * float(named[1])
-        low = rigid.section(replace(at, z=rigid.first_contact(at) - OVERLAP))
-        overlaps = low.depth[np.abs(low.y - y) < NEAR].max(initial=-np.inf) > 0.0
-        if overlaps and not (ORDINARY[0] < y < ORDINARY[1] and 1e-3 * float(named[2]) < TIP):
+        y, z = 1e-3 * float(named[1]), 1e-3 * float(named[2])
+        ends = rigid.wheel_points[[0, -1], 0]
+        at_end = bool(np.abs(ends - y).min() < 1e-3) or not ORDINARY[0] < y < ORDINARY[1]
+        if (at_end or z > TIP) and any(_overlaps(situation, side, y, roll) for roll in rolls):
             return f"names an overlap of the {'flange' if y < 0.0 else 'rim'}"
-    if situation.solve.get("roll") == "solve" and "of gap" in result.status and not rests(situation):
+    if not rolls:
         return "no roll at which both wheels rest on their rails"
     resting = rigid.first_contact(replace(at, z=0.0))
     if not resting > -DEEPEST:
@@ -280,13 +282,29 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
     return ""
 
 
-def rests(situation: Situation) -> bool:
-    """Whether both undeformed wheels touch their rails at one height for some roll of at most STEEPEST."""
+def _overlaps(situation: Situation, side: Side, y: float, roll: float) -> bool:
+    """Whether a wheel overlaps its rail near a place y m of its profile when it is lowered OVERLAP from its rail."""
+    rigid, at = situation.rigid[side], situation.position(side, 0.0, roll)
+    low = rigid.section(replace(at, z=rigid.first_contact(at) - OVERLAP))
+    return bool(low.depth[np.abs(low.y - y) < NEAR].max(initial=-np.inf) > 0.0)
+
+
+def resting_rolls(situation: Situation) -> list[float]:
+    """Rolls of at most STEEPEST at which both undeformed wheels touch their rails at one height."""
+
+    def excess(roll: float) -> float:
+        left, right = (situation.rigid[side].first_contact(situation.position(side, 0.0, roll)) for side in SIDES)
+        return left - right if np.isfinite(left) and np.isfinite(right) else np.nan
+
     rolls = np.linspace(-STEEPEST, STEEPEST, 41)
-    heights = [
-        [situation.rigid[side].first_contact(situation.position(side, 0.0, float(roll))) for side in SIDES]
-        for roll in rolls
-    ]
-    left, right = np.array(heights).T
-    above = (left > right)[np.isfinite(left) & np.isfinite(right)]
-    return bool(above.any() and not above.all())
+    found, before = [], excess(float(rolls[0]))
+    for low, high in pairwise(rolls):
+        after = excess(float(high))
+        if before * after <= 0.0:
+            ends = [float(low), float(high)]
+            for _ in range(10):
+                middle = 0.5 * sum(ends)
+                ends[int(excess(middle) * before <= 0.0)] = middle
+            found.append(0.5 * sum(ends))
+        before = after
+    return found

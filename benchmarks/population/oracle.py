@@ -9,15 +9,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.ndimage import maximum_filter1d
 from scipy.spatial import cKDTree
 
 from benchmarks.population.profiles import Shape, arc
-from wheelrail.support.arrays import Array
+from wheelrail.support.arrays import Array, Mask
 
 FINE = 1e-4  # m, spacing of the points: 0.1 µm off an arc of 13 mm
+CORNER = 0.2  # rad between chords: a spline through a corner of 45 degrees, 0.2 mm apart, overshoots it by 8 um
 STEEPEST = 0.7  # sine of the largest angle about the axle at which a silhouette is looked for
 
 
@@ -78,6 +81,13 @@ class RigidSide:
         """Points (n, 2) m with z = 0 on the rolling circle."""
         points = _dense(self.wheel.points)
         return np.asarray(points - (0.0, float(np.interp(0.0, points[:, 0], points[:, 1]))))
+
+    @cached_property
+    def corners(self) -> Mask:
+        """Whether the outline of the wheel turns sharply near its points (n,)."""
+        chords = np.diff(self.wheel_points, axis=0)
+        turns = np.abs(np.diff(np.unwrap(np.arctan2(chords[:, 1], chords[:, 0])))) > 0.5 * CORNER
+        return np.asarray(maximum_filter1d(np.pad(turns, 1), 5))
 
     @cached_property
     def rail_points(self) -> Array:
@@ -166,10 +176,16 @@ class RigidSide:
 
 
 def _dense(points: Array) -> Array:
-    """Points FINE apart on a cubic spline through given ones (n, 2) m."""
-    s = arc(points)
-    at = np.linspace(0.0, s[-1], int(np.ceil(s[-1] / FINE)) + 1)
-    return np.asarray(CubicSpline(s, points)(at))
+    """Points FINE apart on cubic splines through given ones (n, 2) m, from corner to corner."""
+    s, chords = arc(points), np.diff(points, axis=0)
+    turns = np.diff(np.unwrap(np.arctan2(chords[:, 1], chords[:, 0])))
+    ends = [0, *(np.flatnonzero(np.abs(turns) > CORNER) + 1), len(s) - 1]
+    parts = []
+    for first, last in pairwise(ends):
+        own, place = slice(first, last + 1), s[first : last + 1] - s[first]
+        at = np.linspace(0.0, place[-1], int(np.ceil(place[-1] / FINE)) + 1)[:-1]
+        parts.append(CubicSpline(place, points[own])(at))
+    return np.concatenate([*parts, points[-1:]])
 
 
 def _highest(points: Array) -> Array:
