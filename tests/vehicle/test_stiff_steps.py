@@ -46,7 +46,7 @@ def force(t: float, x: np.ndarray) -> float:
     return LOAD * max(0.0, (DEPTH + rail(t)[0] - x[0]) / DEPTH) ** 1.5
 
 
-def on_rail(forcing: Forcing | None, tolerance: float) -> tuple[StepStatistics, np.ndarray]:
+def on_rail(forcing: Forcing | None, tolerance: float, method: str = "rosenbrock") -> tuple[StepStatistics, np.ndarray]:
     """Half a second with a first step of 60 ms: statistics, and errors of the force at the steps over the load."""
 
     def rhs(t: float, x: np.ndarray, previous: Rate | None) -> Rate:
@@ -58,7 +58,7 @@ def on_rail(forcing: Forcing | None, tolerance: float) -> tuple[StepStatistics, 
         by_time = np.array([0.0, stiffness / MASS * rail(t)[1]])
         return VehicleLinearisation(by_state, by_time, outputs=np.array([[-stiffness, 0.0]]))
 
-    settings = StepSettings("rosenbrock", 3e-3, np.array([3e-5, 3e-3]), output_tolerance=tolerance)
+    settings = StepSettings(method, 3e-3, np.array([3e-5, 3e-3]), output_tolerance=tolerance)
     counts = StepStatistics()
     steps = list(
         integrate(
@@ -85,6 +85,15 @@ def test_steps_on_a_moving_rail() -> None:
     slow, still = on_rail(None, 0.03 * LOAD)
     assert slow.accepted > 2 * counts.accepted
     assert np.abs(still).max() < 0.1
+
+
+def test_errors_of_the_method_of_order_4_count_in_forces() -> None:
+    """Steps that only resolve positions lift and press the wheel, by up to 2.5 loads, and are more of them."""
+    counts, errors = on_rail(None, 0.03 * LOAD, "rosenbrock4")
+    blind, large = on_rail(None, np.inf, "rosenbrock4")
+    assert np.abs(errors).max() < 0.15
+    assert np.abs(large).max() > 1.0
+    assert counts.accepted < blind.accepted
 
 
 def test_the_end_of_a_step_shows_a_lost_contact(monkeypatch: pytest.MonkeyPatch) -> None:
