@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.special import roots_legendre
 
-from wheelrail.contact.geometry.line_scan import Lines, lines_to_scan, scan
+from wheelrail.contact.geometry.line_scan import Lines, inside, lines_to_scan, scan
 from wheelrail.contact.geometry.quadric_pair import curvature, vertical_approach
 from wheelrail.contact.geometry.rigid_search import Scan, level_crossing, local_maxima, lowest
 from wheelrail.contact.geometry.surface_gap import nearest_place
@@ -35,7 +35,6 @@ MIN_PENETRATION = 1e-15  # m: smallest penetration of a strip, for a length abov
 MIN_SLOPE_COSINE = 0.05  # cosine of the wheel's slope: lower bound for the radius along the rail
 
 UNSOLVED = "beyond the part of its surface that carries contact points"  # of an overlap
-INSIDE = 1e-3  # m under the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
 
 
 class PenetrationRegions(NamedTuple):
@@ -360,27 +359,6 @@ def overlap_text(depth: float, place: Array, reason: str) -> str:
     y, z = 1e3 * place
     at = f"at y = {y:.1f}, z = {z:.1f} mm of its profile"
     return f"the wheel overlaps the rail {1e3 * depth:.3g} mm deep {at}, {reason}"
-
-
-@borrowing
-def inside(lines: Lines, samples: Scan, part: tuple[int, int], radius: float, origin: Array, rotation: Array) -> bool:
-    """Whether a part of the wheel below its axle lies under the rail's surface; parameters as for `scan`, whose result
-    the samples are: where they are above the rail, the wheel is.
-    """
-    across, heights = lines.outline[0], lines.outline[1]
-    for i in range(part[0], part[1]):
-        if samples.sample[i] >= 0 and samples.depth[i] <= 0.0:
-            continue
-        along, r = lines.point[i].real, lines.point[i].imag + radius
-        y = origin[1] + rotation[1, 1] * along - rotation[1, 2] * r
-        if not across[0] < y < across[-1]:
-            continue
-        k = np.searchsorted(across, y)
-        share = (y - across[k - 1]) / (across[k] - across[k - 1])
-        surface = heights[k - 1] + share * (heights[k] - heights[k - 1])
-        if origin[2] + rotation[2, 1] * along - rotation[2, 2] * r < surface - INSIDE:
-            return True
-    return False
 
 
 def quadric_regions(

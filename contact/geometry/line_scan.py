@@ -14,6 +14,7 @@ from wheelrail.support.compiled import borrowing, unchecked
 
 SCANNED = 1e-5  # m, last change of its x on sampled lines: the penetration before it is exact to 1e-10 m
 FAR = 1e-3  # m: at larger distances, the same change suffices for the distance to 1e-6 m
+INSIDE = 1e-3  # m under the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
 NONE = -1.0  # m: penetration of lines that are left out
 
 
@@ -205,3 +206,24 @@ def fill_scan(
         tz = rotation[2, 0] * t.imag * sine + rotation[2, 1] * t.real - rotation[2, 2] * t.imag * cosine
         depth[i], slope[i] = -(d + 0.5 * curvature * a * a * (1.0 + curvature * d)), -(ty * ny + tz * nz)
         where[i], nearest[i] = radius * np.arcsin(sine), sample
+
+
+@borrowing
+def inside(lines: Lines, samples: Scan, part: tuple[int, int], radius: float, origin: Array, rotation: Array) -> bool:
+    """Whether a part of the wheel below its axle lies under the rail's surface; parameters as for `scan`, whose result
+    the samples are: where they are above the rail, the wheel is.
+    """
+    across, heights = lines.outline[0], lines.outline[1]
+    for i in range(part[0], part[1]):
+        if samples.sample[i] >= 0 and samples.depth[i] <= 0.0:
+            continue
+        along, r = lines.point[i].real, lines.point[i].imag + radius
+        y = origin[1] + rotation[1, 1] * along - rotation[1, 2] * r
+        if not across[0] < y < across[-1]:
+            continue
+        k = np.searchsorted(across, y)
+        share = (y - across[k - 1]) / (across[k] - across[k - 1])
+        surface = heights[k - 1] + share * (heights[k] - heights[k - 1])
+        if origin[2] + rotation[2, 1] * along - rotation[2, 2] * r < surface - INSIDE:
+            return True
+    return False
