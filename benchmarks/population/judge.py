@@ -39,7 +39,7 @@ NEAR = 5e-3  # m on the profile of a wheel
 ORDINARY = (-50e-3, 45e-3)  # m, where a wheel touches a rail between flange tip and rim
 STEEPEST = 0.05  # rad, to which a roll is looked for
 TIP = 20e-3  # m, height on a flange above which it touches the rail as it climbs
-NO_RIM = re.compile(r"^wheel disc_\w+ is \S+ m wide, the rim \S+ m$")
+NO_RIM = re.compile(r"wheel disc_\w+ is \S+ m wide, the rim \S+ m$")
 REFUSED = re.compile(r"(wheel_load|axle_load) = \S+: must be a number from (\S+) to (\S+)")
 
 

@@ -20,6 +20,7 @@ Kind = Literal["wheel", "rail"]
 
 
 KINDS: tuple[Kind, Kind] = ("wheel", "rail")
+LEVEL, FLAT = 1e-7, 5e-3  # m, differences of height and width of a flat top; crowns of 30 m have less width
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ class Profile(Curve):
         return float(0.5 * gauge - innermost)
 
     def highest(self, angle: float = 0.0) -> float:
-        """Arc length [m] of the highest point, once rotated by angle [rad]."""
+        """Arc length [m] of the highest point, once rotated by angle [rad]; of a flat top its middle."""
         from scipy.optimize import brentq
 
         def rise(x: float) -> float:
@@ -132,7 +133,10 @@ class Profile(Curve):
             return float(np.sin(angle) * t[0] + np.cos(angle) * t[1])
 
         s = self.samples(1e-4)
-        i = int(np.argmax(self.point(s) @ [np.sin(angle), np.cos(angle)]))
+        z = self.point(s) @ [np.sin(angle), np.cos(angle)]
+        i, level = int(np.argmax(z)), s[z > z.max() - LEVEL]
+        if level[-1] - level[0] > FLAT and s[0] < level[0] and level[-1] < s[-1]:  # its highest point is noise
+            return float(0.5 * (level[0] + level[-1]))
         low, high = s[max(i - 1, 0)], s[min(i + 1, len(s) - 1)]
         if not rise(low) >= 0.0 >= rise(high) or rise(low) == rise(high):
             return float(s[i])
