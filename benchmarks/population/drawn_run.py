@@ -83,6 +83,11 @@ class Run:
         return self.plane and self.drawn["sleepers"] < 0.2
 
     @property
+    def elastic(self) -> bool:
+        """Whether contacts are solved by strips on half-spaces."""
+        return self.drawn["elastic"] < 0.06 or self.sleepers
+
+    @property
     def radius(self) -> float:
         """Of the curve, m; infinite on straight track."""
         return self.between("radius", 250.0, 3000.0) if self.drawn["hand"] < 0.7 else np.inf
@@ -167,7 +172,7 @@ class Run:
     def dynamics(self) -> VehicleDynamics:
         of_wheel, of_rail = self.pair
         more = {"model": "standard"}
-        if self.drawn["elastic"] < 0.06 or self.sleepers:
+        if self.elastic:
             more = {"bodies": "half-space", "strips": 6, "cells": 6}
         friction = self.between("friction", 0.05, 0.6)
         pair = wr.Wheelset(of_wheel.profile, of_rail.profile, laying_angle=0.025, friction=friction, **more)
@@ -193,8 +198,9 @@ class Run:
     @property
     def span(self) -> tuple[float, float]:
         """s; of less road where every contact is solved by elements."""
-        road = 10.0 if self.sleepers else 60.0 if self.drawn["elastic"] < 0.06 else 150.0
-        return 0.0, float(min(road / self.speed, 1.5 if self.method in EXPLICIT else np.inf))
+        road = 10.0 if self.sleepers else 60.0 if self.elastic else 150.0
+        longest = np.inf if self.method not in EXPLICIT else 0.5 if self.elastic else 1.5
+        return 0.0, float(min(road / self.speed, longest))
 
     def initial(self) -> Array | None:
         """The equilibrium, for a third of the runs with wheelsets up to 3 mm beside it."""
