@@ -14,6 +14,7 @@ import numpy as np
 
 from benchmarks.population.checks import LOAD, TOUCH, broken
 from benchmarks.population.draw import Situation, with_profiles
+from benchmarks.population.oracle import RigidSide
 from benchmarks.population.results import SideResult, side_result
 from wheelrail.contact.kinematics.frames import SIDES, Side
 
@@ -241,12 +242,14 @@ def against_standard(situation: Situation, results: Mapping[Side, SideResult]) -
         if abs(result.z - standard.z) > band and situation.solve.get("roll") != "solve":
             above = 1e6 * (result.z - standard.z)
             yield f"{side}: {above:.1f} um above the standard contact, approach {1e6 * deepest:.1f} um"
-        if result.status != "converged":
+        if "separated" in (result.status, standard.status):
             continue
-        off = np.abs(result.force - standard.force)[:2].max() / result.load
+        # over the own load: of 114 kN on an axle one wheel carries 9.4 kN on strips and 7.6 kN by the standard contact
+        off = np.abs(result.force / result.load - standard.force / standard.load)[:2].max()
         if (
             off > BAND_FORCE * max(mu, 1e-3) + BAND_NORMAL * spread(result)
             and len(result.peak) == len(standard.peak) == 1
+            and not on_corner(situation.rigid[side], result)
         ):
             yield f"{side}: force {off:.2f} of the load off the standard contact's at friction {mu:g}"
 
@@ -256,6 +259,14 @@ def spread(result: SideResult) -> float:
     normals = result.axes[result.pressure > 0.0, 2]
     mean = normals.mean(axis=0)
     return float(np.linalg.norm(normals - mean / np.linalg.norm(mean), axis=1).max())
+
+
+def on_corner(rigid: RigidSide, result: SideResult) -> bool:
+    """Whether a patch has a corner of the wheel, where resultants lie anywhere between the normals beside it: at the
+    chamfer of a rim, of 0.78 rad, by 0.07 on strips and 0.19 rad by the standard contact.
+    """
+    y = rigid.wheel_points[rigid.corners, 0]
+    return any(((y >= low) & (y <= high)).any() for low, high in result.bands)
 
 
 def explanation(situation: Situation, side: Side, result: SideResult) -> str:
