@@ -204,7 +204,7 @@ def started_elsewhere(situation: Situation, results: Mapping[Side, SideResult]) 
         if not cold.ok:
             yield f"{side}: solved from none: {cold.status}"
             continue
-        (near,) = contact.solve_side([aside], side, [cold])
+        (near,) = contact.solve_side([aside], side, [None])
         if not near.ok:
             yield f"{side}: solved 30 um aside: {near.status}"
             continue
