@@ -190,10 +190,12 @@ def _dense(points: Array) -> Array:
 
 def _highest(points: Array) -> Array:
     """Highest point (2,) m, by the parabola through three points (n, 2) m; the middle of a flat top."""
-    level = points[points[:, 1] > points[:, 1].max() - 1e-7]
-    if np.ptp(level[:, 0]) > 5e-3:
-        return np.array([0.5 * (level[0, 0] + level[-1, 0]), points[:, 1].max()])
-    top = int(np.clip(np.argmax(points[:, 1]), 1, len(points) - 2))
+    level = np.append(points[:, 1] > points[:, 1].max() - 1e-7, False)
+    first = int(np.argmax(level))  # of equal humps the one on the gauge side
+    last = first + int(np.argmin(level[first:])) - 1
+    if points[last, 0] - points[first, 0] > 5e-3:
+        return np.array([0.5 * (points[first, 0] + points[last, 0]), points[:, 1].max()])
+    top = int(np.clip(first + np.argmax(points[first : last + 1, 1]), 1, len(points) - 2))
     y, z = points[top - 1 : top + 2].T
     a, b, _ = np.polyfit(y - y[1], z - z[1], 2)
     if not a < 0.0:

@@ -134,9 +134,12 @@ class Profile(Curve):
 
         s = self.samples(1e-4)
         z = self.point(s) @ [np.sin(angle), np.cos(angle)]
-        i, level = int(np.argmax(z)), s[z > z.max() - LEVEL]
-        if level[-1] - level[0] > FLAT and s[0] < level[0] and level[-1] < s[-1]:  # its highest point is noise
-            return float(0.5 * (level[0] + level[-1]))
+        level = np.append(z > z.max() - LEVEL, False)
+        first = int(np.argmax(level))  # of equal humps the one on the gauge side
+        last = first + int(np.argmin(level[first:])) - 1
+        if s[last] - s[first] > FLAT and first > 0 and last < len(s) - 1:  # its highest point is noise
+            return float(0.5 * (s[first] + s[last]))
+        i = first + int(np.argmax(z[first : last + 1]))
         low, high = s[max(i - 1, 0)], s[min(i + 1, len(s) - 1)]
         if not rise(low) >= 0.0 >= rise(high) or rise(low) == rise(high):
             return float(s[i])
