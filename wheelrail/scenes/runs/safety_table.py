@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+UNCONFIRMED = "Limits of Q and of the rms are those of UIC 518, not compared with the text of the standard"
+
+
 class Safety(NamedTuple):
     """Assessed quantities by wheelset, and remarks on a run that is not complete."""
 
@@ -95,7 +98,7 @@ def safety_table(wheelsets: dict[str, WheelsetSafety], remarks: Sequence[str] = 
     """Table with the value and its place for every wheelset, the limit, and whether all wheelsets keep it; remarks
     follow its title.
     """
-    title = "Running safety and track loading after EN 14363: value, and place along the track (m)"
+    title = f"Running safety and track loading after EN 14363: value, and place along the track (m). {UNCONFIRMED}"
     rows = []
     for _, label, scale, digits, quantity in ROWS:
         values = [quantity(wheelset) for wheelset in wheelsets.values()]
