@@ -25,7 +25,7 @@ from wheelrail.support.arrays import Array
 
 LEAST = 1 / 2  # of the strips asked for, across the penetration: an ellipse of half-spaces has 0.7 as many loaded ones
 ENOUGH = 4 / 3  # times LEAST
-FEWEST = 4.0  # strips, of LEAST
+FEWEST = 2.5  # strips, of LEAST
 SURELY = 1.15  # times that by the strips' means, which err by less: no exact width is needed
 FINEST = 5  # level, with 14 strips for patches of 0.1 N on a tread; less has fewer strips
 
