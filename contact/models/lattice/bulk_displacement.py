@@ -48,11 +48,12 @@ class BulkDisplacement:
         `wheelrail.contact.models.lattice.system.penetrated_width.strips_across`.
         """
         problem, state = self.problem, self.solution.state
-        at = state.values, problem.of(state.strips), problem.lines, problem.tables.lattice
-        known, across = strips_beside_bulk(*at, problem.tables.bulk)
+        tables = problem.tables
+        at = state.values, problem.of(state.strips), problem.lines, tables.lattice, tables.slenderness
+        known, across = strips_beside_bulk(*at, tables.bulk)
         if not known:
             self.at(problem.candidates)
-            _, across = strips_beside_bulk(*at, problem.tables.bulk)
+            _, across = strips_beside_bulk(*at, tables.bulk)
         return float(across)
 
     @cached_property

@@ -80,9 +80,9 @@ def level_shares(problem: LatticeProblem, strips: int, bulk: BulkDisplacement | 
         strips: their number over a usual patch.
         bulk: displacement of finite bodies in their solution; None of half-spaces, and without a load.
     """
-    across = strips_across(problem.depth) if bulk is None else bulk.strips_across
     least, slender = least_strips(strips), problem.tables.slenderness
-    if across > SURELY * ENOUGH * least * slender[problem.candidates].max(initial=1.0):
+    across = strips_across(problem.depth, slender) if bulk is None else bulk.strips_across
+    if across > SURELY * ENOUGH * least:
         return ORDINARY
     depth, lift = problem.depth, NONE
     if bulk is not None:

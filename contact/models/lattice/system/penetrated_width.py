@@ -38,22 +38,24 @@ SHIFT = 1e-8  # m, of lines to both sides, for slopes along the profile
 
 
 @borrowing
-def strips_across(depth: Array) -> float:
-    """Number of strips across by their mean penetrations (K,) m, for contacts that are wide: that of a parabola of more
-    than three strips is at most 3 % too large. Saddles are taken to lie lower than the means.
+def strips_across(depth: Array, slenderness: Array) -> float:
+    """Number of strips across, counted by their slenderness (K,), by their mean penetrations (K,) m, for contacts that
+    are wide: that of a parabola of more than three strips is at most 3 % too large. Saddles are taken to lie lower than
+    the means.
     """
     K = len(depth)
     double, square = 0.0, 0.0
     for i in range(K):
         if not depth[i] > 0.0:
             continue
-        square += depth[i] * depth[i]
-        double += depth[i] * depth[i]
+        own = 1.0 / slenderness[i]
+        square += own * depth[i] * depth[i]
+        double += (own * depth[i]) ** 2
         least = depth[i]
         for j in range(i + 1, K):
             if not depth[j] > 0.0:
                 break
-            double += 2.0 * max(depth[i], depth[j]) * min(least, depth[j])
+            double += 2.0 * own / slenderness[j] * max(depth[i], depth[j]) * min(least, depth[j])
             if j < K - 1 and depth[j] <= depth[j - 1] and depth[j] <= depth[j + 1]:
                 least = min(least, max(depth[j] - 0.25 * (depth[j - 1] - 2.0 * depth[j] + depth[j + 1]), 0.0))
     return OF_PARABOLA * double / square if square > 0.0 else 0.0
@@ -61,14 +63,19 @@ def strips_across(depth: Array) -> float:
 
 @compiled
 def strips_beside_bulk(
-    values: Array, data: EquationData, lines: ContactLines, lattice: Lattice, bodies: tuple[BulkCompliance, ...]
+    values: Array,
+    data: EquationData,
+    lines: ContactLines,
+    lattice: Lattice,
+    slenderness: Array,
+    bodies: tuple[BulkCompliance, ...],
 ) -> tuple[bool, float]:
     """`strips_across` of the penetration less the displacement of finite bodies by the loads of a state, and whether
     their compliance is known there.
 
     Parameters:
         values, data: (S, block) of the loaded strips, and data of their equations.
-        lines, lattice: of all strips.
+        lines, lattice, slenderness: of all strips.
         bodies: finite ones.
     """
     loads, loaded = strip_loads(values, data.places, data.basis, data.motion.speed > 0.0), data.places.strip
@@ -80,7 +87,7 @@ def strips_beside_bulk(
         if not bulk_known(body, (places, wide), (under, own)):
             return False, 0.0
         depth[inside] -= bulk_displacements(body.arc, body.values, places, under, own, loads)
-    return True, strips_across(depth)
+    return True, strips_across(depth, slenderness)
 
 
 @compiled
