@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from dense_surfaces import DenseSurfaces
 from grooved_rails import grooved
+from scipy.spatial import cKDTree
 
 from wheelrail.contact.geometry.line_scan import lines_to_scan, scan
 from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics, RigidWheelRail
@@ -106,6 +107,32 @@ def overlapping(rigid: RigidWheelRail, place: Pose) -> Array:
     """Lines of the whole profile that overlap the rail."""
     rotation = np.ascontiguousarray(place.rotation)
     return scan(rigid.rail.shape, rigid.lines, RADIUS, place.origin, rotation, (0, len(rigid.lines.s))).depth > 0.0
+
+
+def test_lines_of_a_steep_flange_at_large_yaw_are_scanned_right() -> None:
+    """Penetration of lines on the flange, 10 to 40 mm ahead of the axle, against circles and a rail sampled densely."""
+    rigid, _ = pair(0.025)
+    rail, places = rigid.rail, np.arange(-0.06, 0.0, 2e-5)
+    arc = np.arange(rail.s_range[0], -0.01, 5e-6)
+    points, tangents = rail.point(arc), rail.tangent(arc)
+    tree, checked = cKDTree(points), 0
+    for y, yaw in ((6e-3, -0.04), (7e-3, -0.03), (8e-3, -0.04), (8e-3, -0.02)):
+        z = next(z for z in np.arange(12e-3, 0.0, -2e-4) if rigid.approach(pose(WheelsetState(y=y, z=z, yaw=yaw))) > 0)
+        place = pose(WheelsetState(y=y, z=z - 1e-4, yaw=yaw))
+        rotation = np.ascontiguousarray(place.rotation)
+        found = scan(rail.shape, rigid.lines, RADIUS, place.origin, rotation, (0, len(rigid.lines.s)))
+        near = np.flatnonzero((found.depth > -5e-4) & (rigid.lines.point.real < -0.02))
+        for i in near[::4].tolist():
+            line = rigid.lines.point[i]
+            angle, r = places / RADIUS, RADIUS + line.imag
+            circle = np.stack([r * np.sin(angle), np.full(len(angle), line.real), -r * np.cos(angle)], axis=1)
+            at = (place.origin + circle @ place.rotation.T)[:, 1:]
+            closest = tree.query(at)[1]
+            offset, tangent = at - points[closest], tangents[closest]
+            height = tangent[:, 0] * offset[:, 1] - tangent[:, 1] * offset[:, 0]
+            assert found.depth[i] == pytest.approx(-height.min(), abs=2e-6)
+            checked += 1
+    assert checked > 15
 
 
 def test_lines_left_out_of_a_scan_do_not_overlap(tmp_path: Path) -> None:
