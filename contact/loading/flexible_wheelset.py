@@ -34,8 +34,9 @@ FORCE = 1e-7  # of the load: largest error of a vertical force
 PLACE = 1e-9  # m and rad: largest error of a motion
 STALLED_FORCE, STALLED_PLACE = 1e-5, 1e-8  # accepted where halved steps gain nothing: the contact's own tolerance
 MOTION = 1e-3  # m and rad, usual size of motions, by which their errors are compared with those of loads
-SHORTEST = 2.0**-3  # of a Newton step
-LONGEST = 5e-3  # m and rad, largest step of a motion
+SHORTEST = 2.0**-12  # of a Newton step
+SHORTEST_LOADED = 2.0**-3  # where loads are searched: from other motions, if that stalls
+LONGEST = 5e-3  # m and rad, largest step of a motion there
 LOADED = 0.1  # of the load: larger errors of a step are mended at its motions, whose errors count with the loads on
 RESTORED = 1e-2  # of the load: their error then
 COLUMNS = COORDINATES + 18  # of derivatives: the wheelset's coordinates, then the motions of hubs and rails
@@ -353,9 +354,10 @@ class FlexibleWheelset:
     def _advance(self, trial: Trial, step: Array, loads: Loads, size: float) -> tuple[Trial | None, int]:
         """Next trial, by the longest halving of a step that lowers the error, and number of solves."""
         count, solves = len(loads.free), 0
-        step = step * min(1.0, LONGEST / float(np.abs(step[count:]).max()))
+        if loads.free:
+            step = step * min(1.0, LONGEST / float(np.abs(step[count:]).max()))
         fraction = 1.0
-        while fraction >= SHORTEST:
+        while fraction >= (SHORTEST_LOADED if loads.free else SHORTEST):
             change = {
                 name: getattr(trial.state, name) + fraction * s for name, s in zip(loads.free, step, strict=False)
             }
