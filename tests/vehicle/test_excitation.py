@@ -192,7 +192,9 @@ def shallow(at: float) -> Irregularities:
 
 @pytest.mark.parametrize("method", ["rosenbrock", "rosenbrock4"])
 def test_a_dip_of_a_tenth_of_a_millimetre_counts_by_the_force_that_it_causes(method: str) -> None:
-    """Less than 10 tolerances of positions, and a seventh of the load of a wheel: no stage met it before."""
+    """Less than 10 tolerances of positions, and two fifths of the load of a wheel: no stage met it before. Within two
+    tolerances of forces, each 10 rtol of a wheel's load; at 1e-3 `rosenbrock4` errs by 0.1 %.
+    """
     contact = wheel_on_rail(tangential="fastsim")
     on_rails = replace(vehicle_on(Track(irregularities=shallow(60.0)), 17.0), contact=contact)
     own = simulate(on_rails, (0.0, 3.05), steps=StepSettings(method, 4.4e-3, 4.4e-5))
@@ -201,8 +203,9 @@ def test_a_dip_of_a_tenth_of_a_millimetre_counts_by_the_force_that_it_causes(met
     short = simulate(on_rails, (own.time[before], 2.92), initial=own.state[before], steps=settings)
     rise, expected = (run.force[..., 2].max() - run.force[0, ..., 2].max() for run in (own, short))
     assert own.cost.steps.accepted < 150
-    assert expected > 0.1 * own.force[0, ..., 2].max()
-    assert rise == pytest.approx(expected, rel=0.1)
+    load = own.force[0, ..., 2].max()
+    assert expected > 0.3 * load
+    assert rise == pytest.approx(expected, abs=2 * 10 * 4.4e-3 * load)
 
 
 @pytest.mark.parametrize("half", [0.02, 0.1, 0.5, 2.0, 8.0])
