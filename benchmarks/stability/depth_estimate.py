@@ -14,8 +14,10 @@ from benchmarks.stability.sample import RADIUS, SampledCase
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.laws.material import Material
+from wheelrail.contact.models.lattice.system.surface import crests, surface_data
 from wheelrail.meshes.bodies.solids import wheel_contact_range
 from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.support.arrays import Array
 
 PENETRATION = 0.55  # of the maximum penetration
 FIRST, LAST = wheel_contact_range(named_profile("S1002"))
@@ -33,7 +35,7 @@ def depth_for(case: SampledCase) -> float:
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
 
     def penetration(depth: float) -> float:
-        return float(surfaces.penetration_profile(case.at(depth)[0], LINES).penetration.max())
+        return float(_profile(surfaces, case.at(depth)[0], LINES)[0].max())
 
     def excess(depth: float) -> float:
         return _load(surfaces, case, depth) - case.load
@@ -54,7 +56,7 @@ def depth_for(case: SampledCase) -> float:
 def penetration_outside(case: SampledCase, pose: Pose, bands: list[tuple[float, float]]) -> float:
     """Largest penetration outside lateral bands [m] of the wheel's profile over that inside, or a line next to them."""
     surfaces = ProfileStrips(named_profile("S1002"), named_profile(case.rail), RADIUS)
-    penetration = surfaces.penetration_profile(pose, LINES).penetration
+    penetration = _profile(surfaces, pose, LINES)[0]
     y = surfaces.wheel.point(LINES)[:, 0]
     margin = float(np.diff(LINES).max())
     inside = np.zeros(len(y), dtype=bool)
@@ -64,22 +66,26 @@ def penetration_outside(case: SampledCase, pose: Pose, bands: list[tuple[float, 
     return float(penetration[~inside].max(initial=0.0)) / within if within > 0 else np.inf
 
 
+def _profile(surfaces: ProfileStrips, pose: Pose, s: Array) -> tuple[Array, Array]:
+    """Largest penetration (n,) m along lines s (n,) m, and the relative curvature (n,) 1/m there."""
+    found, _, curvature = crests(surface_data(surfaces), pose.origin, np.ascontiguousarray(pose.rotation), s)
+    return found.depth, curvature
+
+
 def _load(surfaces: ProfileStrips, case: SampledCase, depth: float) -> float:
     """Vertical force N."""
     steel = Material()
     pose = case.at(depth)[0]
-    profile = surfaces.penetration_profile(pose, LINES)
-    deepest = int(np.argmax(profile.penetration))
-    inside = profile.penetration - (1 - PENETRATION) * profile.penetration[deepest]
-    if profile.penetration[deepest] <= 0:
+    penetration = _profile(surfaces, pose, LINES)[0]
+    deepest = int(np.argmax(penetration))
+    inside = penetration - (1 - PENETRATION) * penetration[deepest]
+    if penetration[deepest] <= 0:
         return 0.0
     # strips finer than the lines, about the deepest one
     low, high = LINES[np.flatnonzero(inside > 0)[[0, -1]]]
     s = np.linspace(low - 1e-4, high + 1e-4, 80)
-    strips = surfaces.penetration_profile(pose, s)
-    half2 = np.maximum(
-        2 * (strips.penetration - (1 - PENETRATION) * profile.penetration[deepest]) / strips.curvature, 0.0
-    )
+    depth, curvature = _profile(surfaces, pose, s)
+    half2 = np.maximum(2 * (depth - (1 - PENETRATION) * penetration[deepest]) / curvature, 0.0)
     t = (np.arange(40) + 0.5) / 20 - 1
     root = np.sqrt(half2)[:, None] * np.sqrt(1 - t * t)
     x, y = np.sqrt(half2)[:, None] * t, (s - LINES[deepest])[:, None]
@@ -87,4 +93,4 @@ def _load(surfaces: ProfileStrips, case: SampledCase, depth: float) -> float:
     mean_distance = weight.sum() / max((weight / np.maximum(np.hypot(x, y), 1e-6)).sum(), 1e-300)
     upright = np.abs(surfaces.wheel.normal(s)[:, 1])
     cosine = float((weight.sum(axis=1) * upright).sum() / max(weight.sum(), 1e-300))
-    return float(np.pi * steel.E * profile.penetration[deepest] / (2 * (1 - steel.nu**2)) * mean_distance * cosine)
+    return float(np.pi * steel.E * penetration[deepest] / (2 * (1 - steel.nu**2)) * mean_distance * cosine)

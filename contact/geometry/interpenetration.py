@@ -15,7 +15,7 @@ from scipy.special import roots_legendre
 from wheelrail.contact.geometry.line_scan import Lines, inside, lines_to_scan, scan
 from wheelrail.contact.geometry.quadric_pair import curvature, vertical_approach
 from wheelrail.contact.geometry.rigid_search import Scan, level_crossing, local_maxima, lowest
-from wheelrail.contact.geometry.surface_gap import nearest_place
+from wheelrail.contact.geometry.surface_gap import SAMPLED, nearest_place
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.curves.closest_point import Shape, local, next_piece, piece
 from wheelrail.meshes.profiles.profile import Profile
@@ -200,8 +200,8 @@ class WheelRegions(NamedTuple):
 
     Parameters:
         approach: m, largest penetration; without, minus the gap.
-        beyond: whether the penetration reaches an end of the wheel's profile or of the rail's, or the wheel lies inside
-            the rail.
+        beyond: whether the penetration reaches an end of the wheel's profile or of the rail's, is larger than that of
+            all maxima, or the wheel lies inside the rail.
         top: (k, 3) m, maxima: position, penetration and x.
         low: (k - 1, 3) m, minima between them, likewise; with the penetration 0 where there is a gap.
         edges: (h,) m, outer ends of the halves of regions: for each maximum with a weight, those on both sides of each
@@ -230,10 +230,10 @@ def wheel_regions(
     positions, samples = lines.s, scan(rail, lines, radius, origin, rotation, part)
     top, low, before, approach = local_maxima(wheel, rail, radius, origin, rotation, positions, samples)
     depth, where, sample = samples.depth, samples.x, samples.sample
-    beyond = first_beyond(samples, part) >= 0
+    beyond = first_beyond(samples, part) >= 0 or approach > (top[:, 1].max() if len(top) else 0.0) + SAMPLED
     if not (beyond or len(top)):
         beyond = inside(lines, samples, part, radius, origin, rotation)
-        approach = nearest_place(wheel, rail, radius, origin, rotation, lines, part, samples)[1]
+        approach = min(nearest_place(wheel, rail, radius, origin, rotation, lines, part, samples)[1], 0.0)
     weight, _ = merging_weights(top, low, merge, np.zeros((len(top), 3, 0)), np.zeros((len(low), 3, 0)))
     m, most = len(POSITIONS), 2 * len(top) * len(top)
     contacts, edges = np.empty((len(top), 4)), np.empty(most)
@@ -329,7 +329,7 @@ def profile_regions(
         wheel.shape, rail.shape, radius, pose.origin, np.ascontiguousarray(pose.rotation), lines, merge
     )
     if found.beyond:
-        check_outside(wheel, rail, radius, pose, lines)
+        raise ValueError(overlap(wheel, rail, radius, pose, lines))
     if not len(found.contacts):
         return None, found.approach
     peak, peak_x, depth, weight = found.contacts.T
@@ -338,20 +338,19 @@ def profile_regions(
     return regions, found.approach
 
 
-def check_outside(wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines) -> None:
-    """Raises ValueError for a wheel that overlaps the rail at an end of a profile, or without contacts lies inside it.
-
-    Parameters as for `profile_regions`.
-    """
+def overlap(wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines) -> str:
+    """Text on an overlap whose regions are beyond what is solved; parameters as for `profile_regions`."""
     rotation = np.ascontiguousarray(pose.rotation)
     part = lines_to_scan(lines, radius, pose.origin, rotation)
     samples = scan(rail.shape, lines, radius, pose.origin, rotation, part)
     i = first_beyond(samples, part)
     if i >= 0:
         profile = wheel if i in (0, len(lines.s) - 1) else rail
-        raise ValueError(overlap_text(samples.depth[i], wheel.point(lines.s[i]), f"where profile {profile.name} ends"))
-    if inside(lines, samples, part, radius, pose.origin, rotation):
-        raise ValueError("the wheel lies inside the rail, too deep for a contact")
+        return overlap_text(samples.depth[i], wheel.point(lines.s[i]), f"where profile {profile.name} ends")
+    i = int(samples.depth.argmax())
+    if samples.depth[i] > 0.0:
+        return overlap_text(samples.depth[i], wheel.point(lines.s[i]), "where no contact point was found")
+    return "the wheel lies inside the rail, too deep for a contact"
 
 
 def overlap_text(depth: float, place: Array, reason: str) -> str:

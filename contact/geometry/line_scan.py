@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.contact.geometry.rigid_search import Scan
+from wheelrail.contact.geometry.rigid_search import TURNS, Scan, next_turn
 from wheelrail.meshes.curves.closest_point import SPACING, Shape, nearer_sample, nearest_sample
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Complex
@@ -15,8 +15,6 @@ from wheelrail.support.compiled import borrowing, unchecked
 SCANNED = 1e-5  # m, last change of its x on sampled lines: the penetration before it is exact to 1e-10 m
 FAR = 1e-3  # m: at larger distances, the same change suffices for the distance to 1e-6 m
 INSIDE = 1e-3  # m under the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
-ITERATIONS, DIRECT = 24, 3  # of closest points and angles in turns; those without a secant's step
-LARGEST = 40.0  # times the change of the angle, of such a step
 NONE = -1.0  # m: penetration of lines that are left out
 
 
@@ -177,7 +175,7 @@ def fill_scan(
         if sample >= 0:
             sample = min(max(sample + advance, 0), last)
         at, change = 0.0, 0.0
-        for turn in range(ITERATIONS):
+        for turn in range(TURNS):
             y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
             h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
             q = complex(y, h)
@@ -202,11 +200,7 @@ def fill_scan(
             change = sine - at
             if abs(change) * radius < (FAR if d > FAR else SCANNED):
                 break
-            # On the steep flange of a wheel that yaws the closest point runs along with the angle: turns alone stall.
-            bend = (change - changed) / (at - before_last) if turn >= DIRECT and at != before_last else 0.0
-            if bend < -1.0 / LARGEST:
-                sine = min(max(at - change / bend, -1.0), 1.0)
-                cosine = np.copysign(np.sqrt(1.0 - sine * sine), upward)
+            sine, cosine = next_turn(turn, at, before_last, change, changed, sine, cosine)
         advance = sample - before if before >= 0 else 0
         if (sample == 0 and a < 0.0) or (sample == last and a > 0.0):
             depth[i], sample, sine, cosine = -abs(offset), -1, 0.0, 1.0

@@ -31,7 +31,10 @@ CLOSE = 1e-9  # m: smallest distance of a maximum and a minimum
 ITERATIONS = 12  # for the lowest point of a yawed wheel
 LOWEST = 1e-7  # m, last change of its x by Newton's method, with which the error of the penetration is quadratic
 LAST = 1e-10  # m, last change of its x in turns with the closest point: the next one is a thousand times smaller
+TURNS, DIRECT = 24, 3  # of closest points and angles in turns; those without a secant's step
+LARGEST = 40.0  # times the change of the angle, of such a step
 LARGE = 0.1  # rad, beyond the difference between neighbouring lines
+FARTHEST = 10.0  # times the longest step: not the neighbourhood of the guess
 
 
 @borrowing
@@ -86,8 +89,11 @@ def lowest(
         bend = change.real * forward_z - change.imag * forward_y
         determinant = second * upward - across * bend
         step, turn = (beside * upward + across * level) / determinant, (second * level + bend * beside) / determinant
-        if not (second > 0.0 > determinant and abs(step) < 2.0 * SPACING and abs(turn) < LARGE):
+        size = max(abs(step) / (2.0 * SPACING), abs(turn) / LARGE)
+        if not (second > 0.0 > determinant and size < FARTHEST):
             break
+        if size > 1.0:  # on steep flanges of wheels that yaw the closest point runs far along with the angle
+            step, turn = step / size, turn / size
         if abs(step) < SMALL_STEP and radius * abs(turn) < LOWEST:
             ty, tz = t.imag * up_y + t.real * rotation[1, 1], t.imag * up_z + t.real * rotation[2, 1]
             slope = ty * along.imag - tz * along.real + step * (ty * change.imag - tz * change.real)
@@ -104,6 +110,28 @@ def lowest(
 
 
 @borrowing
+def next_turn(
+    turn: int, at: float, last: float, change: float, changed: float, sine: float, cosine: float
+) -> tuple[float, float]:
+    """Sine and cosine of the next angle along the rolling circle, of closest points and angles in turns.
+
+    Parameters:
+        turn: number of turns before.
+        at, last: sines of this turn and of the one before.
+        change, changed: by these turns.
+        sine, cosine: after this turn.
+
+    On the steep flange of a wheel that yaws the closest point runs along with the angle: turns alone stall there, or
+    run away. A secant's step takes their change to zero.
+    """
+    bend = (change - changed) / (at - last) if turn >= DIRECT and at != last else 0.0
+    if bend >= -1.0 / LARGEST:
+        return sine, cosine
+    sine = min(max(at - change / bend, -1.0), 1.0)
+    return sine, np.copysign(np.sqrt(1.0 - sine * sine), cosine)
+
+
+@borrowing
 def lowest_at_foot(
     rail: Shape, radius: float, origin: Array, rotation: Array, z: complex, t: complex, x: float, sample: int
 ) -> tuple[float, float, float, int]:
@@ -113,8 +141,8 @@ def lowest_at_foot(
     """
     r, j, at, depth, slope, bottom = z.imag + radius, -1, 0.0, 0.0, 0.0, x
     beside = -np.inf, 0.0, x
-    sine, cosine = np.sin(x / radius), np.cos(x / radius)
-    for _ in range(1 + ITERATIONS):
+    sine, cosine, at_sine, change = np.sin(x / radius), np.cos(x / radius), 0.0, 0.0
+    for turn in range(TURNS):
         y = origin[1] + rotation[1, 0] * r * sine + rotation[1, 1] * z.real - rotation[1, 2] * r * cosine
         h = origin[2] + rotation[2, 0] * r * sine + rotation[2, 1] * z.real - rotation[2, 2] * r * cosine
         q = complex(y, h)
@@ -140,7 +168,10 @@ def lowest_at_foot(
         if abs(bottom - before) < LAST:
             break
         size = np.copysign(np.sqrt(forward * forward + upward * upward), upward)
-        sine, cosine = -forward / size, upward / size
+        last, changed, at_sine, sine, cosine = at_sine, change, sine, -forward / size, upward / size
+        change = sine - at_sine
+        sine, cosine = next_turn(turn, at_sine, last, change, changed, sine, cosine)
+        bottom = radius * np.arctan(sine / cosine)
     if not inside:
         return beside[0], beside[1], beside[2], sample
     return depth, slope, bottom, sample

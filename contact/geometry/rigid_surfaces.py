@@ -11,7 +11,7 @@ import numpy as np
 from wheelrail.contact.geometry.interpenetration import (
     UNSOLVED,
     PenetrationRegions,
-    check_outside,
+    overlap,
     overlap_text,
     profile_regions,
     quadric_regions,
@@ -83,9 +83,9 @@ class RigidWheelRail:
     def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
 
-    def check(self, pose: Pose) -> None:
-        """Raises ValueError for a wheel that is not outside the rail; see `check_outside`."""
-        check_outside(self.wheel, self.rail, self.radius, pose, self.lines)
+    def overlap(self, pose: Pose) -> str:
+        """Text on the overlap of a wheel that cannot be solved; see `overlap`."""
+        return overlap(self.wheel, self.rail, self.radius, pose, self.lines)
 
     def approach(self, pose: Pose) -> float:
         """Largest penetration m; separated surfaces have minus their gap, the smallest distance of their points."""

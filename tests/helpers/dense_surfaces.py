@@ -57,17 +57,26 @@ class DenseSurfaces:
             best = np.minimum(best, np.hypot(*(points - a - t[:, None] * d).T))
         return best
 
-    def overlaps(self, pose: Pose) -> tuple[Array, Array]:
-        """Lateral positions (n,) m on the wheel's profile and depths m of the overlap at its lowest points; no yaw.
-
-        The rail extends downwards from its ends.
-        """
-        s = np.linspace(*self.wheel.s_range, 2000)
-        points, corners = self.places(pose, s, np.zeros_like(s)), self._rail[0]
+    @cached_property
+    def _outline(self) -> Path:
+        """The rail's polygon, which extends downwards from its ends."""
+        corners = self._rail[0]
         below = corners[:, 1].min() - 1.0
-        outline = np.concatenate([corners, [[corners[-1, 0], below], [corners[0, 0], below]]])
-        inside = Path(outline).contains_points(points)
+        return Path(np.concatenate([corners, [[corners[-1, 0], below], [corners[0, 0], below]]]))
+
+    def overlaps(self, pose: Pose) -> tuple[Array, Array]:
+        """Lateral positions (n,) m on the wheel's profile and depths m of the overlap at its lowest points; no yaw."""
+        s = np.linspace(*self.wheel.s_range, 2000)
+        points = self.places(pose, s, np.zeros_like(s))
+        inside = self._outline.contains_points(points)
         return self.wheel.point(s[inside])[:, 0], self.distances(points[inside])
+
+    def deepest(self, pose: Pose) -> float:
+        """Largest depth m of the overlap; 0 without."""
+        s, x = np.linspace(*self.wheel.s_range, 800), np.linspace(-0.15, 0.15, 400)
+        points = self.places(pose, *(part.ravel() for part in np.meshgrid(s, x, indexing="ij")))
+        inside = self._outline.contains_points(points)
+        return float(self.distances(points[inside]).max(initial=0.0))
 
     def gap(self, pose: Pose) -> float:
         """Smallest distance m of separated surfaces."""

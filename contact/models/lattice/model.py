@@ -202,7 +202,7 @@ class LatticeContact:
         start, count = perf_counter(), IterationCount()
         approach = problem.approach
         if approach <= 0:
-            return ContactResult.failed(TOO_DEEP) if problem.too_deep else ContactResult.separated(approach)
+            return ContactResult.failed(problem.overlap) if problem.overlap else ContactResult.separated(approach)
         try:
             problem.check_inside()
             solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)

@@ -146,7 +146,7 @@ class StandardContact:
         except ValueError as error:
             return ContactResult.failed(str(error))
         if contacts is None:
-            return ContactResult.separated(min(approach, 0.0))
+            return ContactResult.separated(approach)
         cells, strips = contacts.cells, contacts.strips
         extent, pressure = (strips.along.max(), strips.across.max()), (strips.scale * strips.half).max()
         failure = self._failure(approach, extent, cells.speed.min(), pressure)
@@ -213,12 +213,9 @@ class StandardContact:
         approach, beyond, contacts, points, along, across, speed, pressure = values
         if beyond:
             assert isinstance(self.surfaces, RigidWheelRail)
-            try:
-                self.surfaces.check(solved.pairs.pose(i))
-            except ValueError as error:
-                return ContactResult.failed(str(error))
+            return ContactResult.failed(self.surfaces.overlap(solved.pairs.pose(i)))
         if not contacts:
-            return ContactResult.separated(min(approach, 0.0))
+            return ContactResult.separated(approach)
         failure = self._failure(approach, (along, across), speed, pressure)
         if failure:
             return ContactResult.failed(failure, approach)

@@ -20,6 +20,7 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
@@ -89,7 +90,7 @@ def test_gap_of_quadrics_does_not_depend_on_their_lines() -> None:
     x, y = np.meshgrid(np.linspace(-1e-3, 1e-3, 401), np.linspace(-2e-3, 2e-3, 801))
     gaps = 7e-3 + (x - 3e-4) ** 2 / 0.8 + (y + 2e-4) ** 2 / 0.6 + y**2 / 1.8 * -1.0
     strips = QuadricStrips(upper, lower, 5e-3, (1e-3, 1e-3))
-    assert strips.approach(apart) == pytest.approx(-gaps.min(), abs=1e-9)
+    assert strips.nearest(apart)[1] == pytest.approx(-gaps.min(), abs=1e-9)
     assert RigidQuadrics(upper, lower).regions(apart)[1] == pytest.approx(-gaps.min(), abs=1e-9)
 
 
@@ -135,6 +136,23 @@ def test_lines_of_a_steep_flange_at_large_yaw_are_scanned_right() -> None:
     assert checked > 15
 
 
+def test_no_overlap_of_a_wheel_at_large_yaw_is_missed() -> None:
+    """Flanges that touch 40 to 110 mm ahead of the axle: places of contact against surfaces sampled densely."""
+    rigid, dense = pair(0.025)
+    standard = StandardContact(rigid, ContactLaws(friction=0.0))
+    steels, how = (Material(), Material()), Discretisation(3e-3, bodies="half-space")
+    strips = wheel_rail_pair((WHEEL, rigid.rail), RADIUS, steels, ContactLaws(friction=0.0), how)
+    assert isinstance(strips, LatticeContact)
+    yaws = np.random.default_rng(5).uniform(-0.2, 0.2, 6).tolist()
+    for yaw in (0.03, 0.06, 0.08, 0.1, 0.2, *yaws):
+        place, motion = Mounting(0.75, 0.7605, RADIUS).left_pair(WheelsetState(y=8e-3, yaw=yaw, pitch_rate=1.0))
+        expected = dense.deepest(place)
+        assert expected > 1e-4
+        assert rigid.regions(place)[1] == pytest.approx(expected, rel=2e-3)
+        assert standard(place, motion).approach == pytest.approx(expected, rel=2e-3)
+        assert strips.problem(place, motion).approach == pytest.approx(expected, rel=2e-2)
+
+
 def test_lines_left_out_of_a_scan_do_not_overlap(tmp_path: Path) -> None:
     draw, whole, skipped = np.random.default_rng(3), 0, 0
     for rail in (named_profile("60E1").inclined(0.025), grooved(tmp_path, 28e-3, 45e-3)):
@@ -172,4 +190,4 @@ def test_strips_and_rigid_surfaces_agree_on_the_approach() -> None:
     rigid, _ = pair(0.05)
     strips = ProfileStrips(rigid.wheel, rigid.rail, rigid.radius)
     place = pose(WheelsetState(z=4e-3, roll=2e-3))
-    assert strips.approach(place) == rigid.approach(place)
+    assert strips.nearest(place) == rigid.nearest(place)

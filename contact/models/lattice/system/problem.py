@@ -45,6 +45,7 @@ from wheelrail.support.arrays import Array, Nodes
 NO_FRICTION = ResidualCode(0, 0, 0, np.zeros(0), 0.0)
 TOO_DEEP = "the wheel lies inside the rail, too deep for a contact"
 INSIDE = 1e-3  # m, below the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
+MISSED = 1e-4  # m, largest overlap that strips may miss: as means over their widths, they have a few um less
 SAMPLES = 400  # of the rail's profile
 
 
@@ -116,18 +117,20 @@ class LatticeProblem:
         return self.lines.depth
 
     @property
-    def too_deep(self) -> bool:
-        """Whether the wheel lies inside the rail, so deep that no closest points of its strips are within reach."""
+    def overlap(self) -> str:
+        """Text on an overlap although no strip penetrates; empty without."""
         surfaces, data = self.tables.operators.surfaces, self._motion
         if not isinstance(surfaces, ProfileStrips):
-            return False
-        if self._nearest > INSIDE:
-            return True
+            return ""
+        place, depth, _ = self._nearest
+        if depth > MISSED:
+            return overlap_text(depth, surfaces.wheel.point(place), UNSOLVED)
         rail = surfaces.rail.point(np.linspace(*surfaces.rail.s_range, SAMPLES))
         rail = rail[np.argsort(rail[:, 0])]
         wheel = frames(self.surface, data.origin, data.rotation, self.middle, self.lines.x).point
         over = (wheel[:, 1] > rail[0, 0]) & (wheel[:, 1] < rail[-1, 0])
-        return bool((wheel[over, 2] < np.interp(wheel[over, 1], rail[:, 0], rail[:, 1]) - INSIDE).any())
+        inside = (wheel[over, 2] < np.interp(wheel[over, 1], rail[:, 0], rail[:, 1]) - INSIDE).any()
+        return TOO_DEEP if inside else ""
 
     @property
     def crest(self) -> tuple[Array, Array]:
@@ -137,11 +140,11 @@ class LatticeProblem:
     @property
     def approach(self) -> float:
         """Largest penetration m of a strip; without any, minus the gap of the undeformed surfaces."""
-        return self.lines.approach if self.lines.approach > 0.0 else min(self._nearest, 0.0)
+        return self.lines.approach if self.lines.approach > 0.0 else min(self._nearest[1], 0.0)
 
     @cached_property
-    def _nearest(self) -> float:
-        return self.tables.operators.surfaces.approach(self.pose)
+    def _nearest(self) -> tuple[float, float, float]:
+        return self.tables.operators.surfaces.nearest(self.pose)
 
     @cached_property
     def candidates(self) -> Nodes:

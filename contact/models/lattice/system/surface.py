@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import curvature
+from wheelrail.contact.geometry.rigid_search import lowest
 from wheelrail.contact.geometry.strip_surfaces import NEXT, ProfileStrips, QuadricStrips, StripSurfaces
 from wheelrail.contact.geometry.wheel_surface import Place, on_circle, write_frame
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
@@ -15,10 +16,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
 
 GAUSS = 0.5 / np.sqrt(3.0)  # of a strip's width, from its middle
-CREST_STEPS = 12
-CREST_ERROR = 1e-10  # m
 OPPOSED = -0.5  # cosine between the normals of surfaces that may touch, a tenth of a radian apart under large loads
-STEEPEST = 0.9  # slope of the fixed-point map up to which Newton's step is taken; a maximum has less than 1
 
 
 class SurfaceData(NamedTuple):
@@ -254,44 +252,14 @@ def crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array) -> tu
 @borrowing
 def _store_crests(surface: SurfaceData, origin: Array, rotation: Array, s: Array, x: Array, bend: Array) -> None:
     """Fill places and curvatures of `crests` of a wheel; the places are zero."""
-    wheel, radius = surface.wheel, surface.radius
-    for i in range(len(s) if rotation[1, 0] != 0.0 else 0):
-        x[i] = _crest(surface, origin, rotation, s[i], x[i - 1] if i > 0 and abs(s[i] - s[i - 1]) < NEXT else 0.0)
+    wheel, radius, sample = surface.wheel, surface.radius, -1
     for i in range(len(s)):
         z, t, _ = local(wheel, s[i], piece(wheel, s[i]))
         r = z.imag + radius
+        if rotation[1, 0] != 0.0:
+            guess, sample = (x[i - 1], sample) if i > 0 and abs(s[i] - s[i - 1]) < NEXT else (0.0, -1)
+            _, _, x[i], sample = lowest(surface.rail, radius, origin, rotation, z, t, guess, sample)
         bend[i] = max(r * t.real, 0.05 * r) / (radius * radius)
-
-
-@borrowing
-def _crest(surface: SurfaceData, origin: Array, rotation: Array, s: float, x: float) -> float:
-    """Place m along x of the largest penetration on a line s m of a wheel, by Newton's method from x m.
-
-    The equation is x = -R arctan(f / u), where f and u are the components of the rail's normal n along the wheel's
-    forward and upward axes; n changes with the closest point on the rail.
-    """
-    rail, radius, sample = surface.rail, surface.radius, -1
-    profile, tangent, _ = local(surface.wheel, s, piece(surface.wheel, s))
-    for _ in range(CREST_STEPS):
-        point, axis, _ = on_circle(profile, tangent, radius, origin, rotation, x)
-        q = complex(point[1], point[2])
-        sample = nearest_sample(rail, q) if sample < 0 else nearer_sample(rail, q, sample)
-        at, _, _ = foot(rail, q, rail.samples[sample])
-        z, t, k = local(rail, at, piece(rail, at))
-        away = q - z
-        moved = (t.real * axis[1] + t.imag * axis[2]) / (1.0 - (away.real * k.real + away.imag * k.imag))
-        forward = rotation[2, 0] * t.real - rotation[1, 0] * t.imag
-        up = rotation[2, 2] * t.real - rotation[1, 2] * t.imag
-        forward_change = (rotation[2, 0] * k.real - rotation[1, 0] * k.imag) * moved
-        up_change = (rotation[2, 2] * k.real - rotation[1, 2] * k.imag) * moved
-        slope = -radius * (forward_change * up - forward * up_change) / (forward * forward + up * up)
-        step = -radius * np.arctan(forward / up) - x
-        if slope < STEEPEST:
-            step /= 1.0 - slope
-        x += step
-        if abs(step) < CREST_ERROR:
-            break
-    return x
 
 
 class SurfaceFrames(NamedTuple):
