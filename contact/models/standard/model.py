@@ -213,7 +213,9 @@ class StandardContact:
         approach, beyond, contacts, points, along, across, speed, pressure = values
         if beyond:
             assert isinstance(self.surfaces, RigidWheelRail)
-            return ContactResult.failed(self.surfaces.overlap(solved.pairs.pose(i)))
+            return ContactResult.failed(
+                self.surfaces.overlap(solved.pairs.pose(i)), approach if approach > 0.0 else np.nan
+            )
         if not contacts:
             return ContactResult.separated(approach)
         failure = self._failure(approach, (along, across), speed, pressure)
