@@ -271,6 +271,7 @@ def on_corner(rigid: RigidSide, result: SideResult) -> bool:
 
 def explanation(situation: Situation, side: Side, result: SideResult) -> str:
     """Reason of a failure that the oracle confirms; empty otherwise."""
+    side = next((own for own in SIDES if result.status.startswith(f"failed: {own} wheel: ")), side)  # that of both
     rigid, at = situation.rigid[side], situation.given_position(side)
     if "z" in situation.solve:
         deepest = float(rigid.section(at).depth.max())

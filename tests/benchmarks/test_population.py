@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import wheelrail as wr
 from benchmarks.population import judge as judge_module
 from benchmarks.population.checks import PARABOLIC, _connected, broken, lowering
 from benchmarks.population.draw import Situation, situation
@@ -253,3 +254,16 @@ def test_the_origin_of_a_flat_rail_is_its_middle(radius: float) -> None:
     y = shape.profile.point(shape.profile.s_range)[:, 0]
     assert y.sum() == pytest.approx(0.0, abs=1e-4)
     assert replace(roller(), rail=shape).rail_points[[0, -1], 0].sum() == pytest.approx(0.0, abs=2e-4)
+
+
+def test_tension_that_more_cells_keep_is_solved_on_narrower_strips() -> None:
+    """A worn flange under 4.3 GPa on five strips, 30 um beside the position of seed 20055."""
+    worn, head = wheel("S1002", tread=0.000629231, flange=0.00224824), rail("arcs", crown=0.5, radius=0.013)
+    pair = wr.Wheelset(worn.profile, head.profile, laying_angle=0.05, radius=0.585488, gauge=1.435, friction=0.108496,
+                       flange_back_distance=1.36, bodies="half-space", strips=9, cells=10)  # fmt: skip
+    found = pair.solve(y=-6.06796e-3, z=0.462937e-3, roll=-7.03029e-3, yaw=-1.74001e-3, speed=19.1234,
+                       z_rate=-9.88798e-4, yaw_rate=3.2967e-4, sides=("right",))  # fmt: skip
+    assert found.status == "converged"
+    fields = found.results["right"].fields
+    assert fields is not None
+    assert fields.pressure.min() >= 0.0

@@ -44,7 +44,7 @@ SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
 DEEP = 3e-3  # m, approach of a wheel whose failure is due to it: one on the tread carries 5 MN
 START_CELLS = 8, 12, 16, 24  # along a strip, at a start without an earlier result
-MOST_CELLS = 48  # along a strip, in search of a pressure without tension
+MOST_CELLS, NARROWER = 48, (1, 2)  # along a strip, and halvings of its width, in search of a pressure without tension
 TENSION = "the pressure is negative at an end of a strip; more strips may serve"
 ITERATIONS = 25  # from such a start: 99.9 % of random poses need at most 21
 
@@ -208,7 +208,7 @@ class LatticeContact:
             solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)
             problem.check_loaded(solution.state.strips)
             if problem.tensile(solution.state):
-                return self._on_more_cells(problem, solution)
+                return self._without_tension(problem, solution)
             statistics = Statistics(
                 newton=count.newton,
                 linear=count.linear,
@@ -221,20 +221,26 @@ class LatticeContact:
             deep = problem.surface.revolves and approach > DEEP
             return ContactResult.failed(f"{TOO_DEEP}: {error}" if deep else str(error), approach)
 
-    def _on_more_cells(self, problem: LatticeProblem, solution: LatticeSolution) -> ContactResult:
-        """Result with twice as many cells along the strips of a solution with tension. Raises NotConverged."""
-        if self.cells > MOST_CELLS // 2:
-            raise NotConverged(TENSION)
-        log.debug("tension on %d cells along a strip", self.cells)
-        result = self.finer.solve(self.finer.problem(problem.pose, problem.motion))
-        return replace(result, warm_start=solution) if result.ok else result
+    def _without_tension(self, problem: LatticeProblem, solution: LatticeSolution) -> ContactResult:
+        """Result with more cells along the strips of a solution with tension, or on narrower strips. Raises
+        NotConverged.
+        """
+        for model in self._finer:
+            log.debug("tension; with %d cells along strips of level %d", model.cells, model.level)
+            result = model.solve(model.problem(problem.pose, problem.motion))
+            if result.ok:
+                return replace(result, warm_start=solution)
+        raise NotConverged(TENSION)
 
     @cached_property
-    def finer(self) -> LatticeContact:
-        """The model with twice as many cells along the same strips."""
-        model = replace(self, resolution=replace(self.resolution, cells=2 * self.resolution.cells), estimate=False)
-        model.__dict__.update(_tables=self._tables, surface=self.surface)
-        return model
+    def _finer(self) -> tuple[LatticeContact, ...]:
+        """The model with more cells along the same strips, then on narrower ones; without finer ones of their own."""
+        cells = [n * self.resolution.cells for n in (2, 4) if n * self.cells <= MOST_CELLS]
+        models = [replace(self, resolution=replace(self.resolution, cells=n), estimate=False) for n in cells]
+        models += [replace(self, level=self.level + n, estimate=False) for n in NARROWER]
+        for model in models:
+            model.__dict__.update(_tables=self._tables, surface=self.surface, _finer=())
+        return tuple(models)
 
     def _from_earlier(
         self, problem: LatticeProblem, guess: ContactResult | None, count: IterationCount
