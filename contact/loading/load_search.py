@@ -58,11 +58,11 @@ def compliant(force: float) -> float:
     return float(np.sign(force) * np.abs(force) ** (2.0 / 3.0))
 
 
-def check(results: Results) -> Results:
-    """The results; raises LoadError with the status of the first that failed."""
+def check(results: Results, nearest: str = "") -> Results:
+    """The results; raises LoadError with the status of the first that failed, and with the load found before."""
     for result in results:
         if not result.ok:
-            raise LoadError(f"contact {result.status}")
+            raise LoadError(f"contact {result.status}{nearest}")
     return results
 
 
@@ -102,7 +102,7 @@ def find_depth_for_load(
             penetration = max((result.approach for result in results if result.approach > 0.0), default=0.0)
             above, failed = min(above, depth), results
             if above - below < 1e-3 * expected:
-                check(results)
+                check(results, f"; nearest {_nearest(best)}" if best.results else "")
             depth = 0.5 * (below + above) if np.isfinite(below) else depth - max(penetration, stride)
             stride = 2.0 * stride
             continue
@@ -122,7 +122,7 @@ def find_depth_for_load(
         if above - below <= max(0.1 * rtol * expected, 8.0 * np.spacing(abs(depth))):
             if best.error <= JUMP:
                 return replace(best, trials=trial)
-            check(failed)
+            check(failed, f"; nearest {_nearest(best)}")
             raise LoadError(f"the force jumps over {load:g} N at a depth of {depth:.9g} m, nearest {_nearest(best)}")
         if value > 0.0:
             room = 3.0 * max(penetration, expected)
