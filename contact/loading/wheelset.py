@@ -21,6 +21,8 @@ from wheelrail.support.arrays import Array
 DEEPEST = 0.05  # m below the nominal height, limit of the search
 FRICTIONLESS = 1e-3  # tolerance of the load without friction, for a first depth
 DEEP = 3.0  # times the expected approach: too large a penetration to start from
+TOO_FAR = 50.0  # times the expected approach, with which no wheel carries its load: steep flanges take 35 times at most
+STEPS, FLATTEST = 12, 0.1  # to a start without a solve; smallest change of the penetration by the height that they use
 
 
 @runtime_checkable
@@ -123,9 +125,16 @@ def wheels_under_load(
     base = contact.mounting.wheel_y
     starts = [_find_depth(contact, state, (side,), load, expected, 0.02) for side in SIDES]
 
+    def wheel(lowered: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
+        own = contact.of(side)
+        penetration = _penetration(own, lowered, side) if isinstance(own.model, HasProblem) else None
+        if penetration is not None and penetration > TOO_FAR * expected:
+            return ContactResult.failed(f"{1e3 * penetration:.3g} mm deep, far beyond its load", penetration)
+        return contact(lowered, side, guess)
+
     def wheels(depths: Array, guess: Results | None) -> Results:
         lowered = at_depths(state, depths, base)
-        return tuple(contact(lowered, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
+        return tuple(wheel(lowered, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
 
     depths, results, trials = find_depths_for_loads(
         wheels,
@@ -175,15 +184,25 @@ def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, e
     0.7 mm on the flange root at a grid of 1 mm are 1600 points, whose compliance takes a gigabyte; under the load they
     are 770. On strips a solve at six times the load takes ten times as long as one under the load.
     """
-    own = contact.of(side)
-    pose, motion = own.mounting.left_pair(state if side == "left" else state.mirrored())
-    if isinstance(own.model, HasProblem):
-        penetration, largest = own.model.problem(pose, motion).approach, expected
-    elif isinstance(own.model, HasGrid):
-        try:
-            penetration, largest = own.model.geometry.contact_points(pose, 0)[1], DEEP * expected
-        except OutsideSurface:  # the search recovers from a failed solve
-            return -state.z
-    else:
-        return -state.z
-    return -state.z if 0.0 <= penetration <= largest else -state.z - (penetration - expected)
+    own, depth, before = contact.of(side), -state.z, (0.0, 0.0)
+    largest = expected if isinstance(own.model, HasProblem) else DEEP * expected
+    for step in range(STEPS):
+        penetration = _penetration(own, replace(state, z=-depth), side)
+        if penetration is None or 0.0 <= penetration <= largest:
+            break
+        # on a flange face the distance of both surfaces changes by a part of the height
+        change = (penetration - before[1]) / (depth - before[0]) if step > 0 and depth != before[0] else 1.0
+        before = depth, penetration
+        depth -= (penetration - expected) / min(max(change, FLATTEST if penetration > 0.0 else 1.0), 1.0)
+    return depth
+
+
+def _penetration(contact: WheelsetContact, state: WheelsetState, side: Side) -> float | None:
+    """Largest penetration m of the undeformed surfaces of a wheel; None of models that tell it by a solve alone."""
+    pose, motion = contact.mounting.left_pair(state if side == "left" else state.mirrored())
+    if isinstance(contact.model, HasProblem):
+        return contact.model.problem(pose, motion).approach
+    if isinstance(contact.model, HasGrid):
+        with suppress(OutsideSurface):  # the search recovers from a failed solve
+            return contact.model.geometry.contact_points(pose, 0)[1]
+    return None
