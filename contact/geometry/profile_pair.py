@@ -12,6 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.geometry.grid_points import GridPoints, Interpolation
+from wheelrail.contact.geometry.interpenetration import UNSOLVED, overlap_text
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
@@ -20,6 +21,8 @@ from wheelrail.contact.kinematics.sensitivity import WheelPointSensitivity
 from wheelrail.meshes.bodies.solids import Strip
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Nodes
+
+MISSED = 5e-4  # m, largest overlap between grid points, which are at most 4 mm apart
 
 
 @dataclass(frozen=True)
@@ -159,8 +162,11 @@ class ProfilePair:
         return RigidWheelRail(self.wheel, self.rail, self.radius)
 
     def _separated(self, pose: Pose) -> float:
-        """Approach m of a pose without candidates: minus the gap."""
-        return min(self.rigid.approach(pose), 0.0)
+        """Approach m of a pose without candidates: minus the gap. Raises OutsideSurface for bodies that overlap."""
+        place, depth, _ = self.rigid.nearest(pose)
+        if depth > MISSED:
+            raise OutsideSurface(overlap_text(depth, self.wheel.point(place), UNSOLVED))
+        return min(depth, 0.0)
 
     def _rail_interpolation(self, x: Array, s: Array) -> Interpolation:
         """Interpolation on the rail's grid at x, s (m,) m by tensor products of linear or quadratic shape functions."""

@@ -42,7 +42,8 @@ WARM_ITERATIONS = 12  # from an earlier result: from none, 8 to 12 suffice nearl
 MATRICES = 2.0  # of the size of the Jacobian: itself, its factors and slips in single precision
 SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
-DEEP = 3e-3  # m, approach of a wheel whose failure is due to it: one on the tread carries 5 MN
+# m, approach of a wheel on half-spaces, and on bodies that bend: with 3 mm one on the tread carries 5 MN
+DEEPEST = 3e-3, 1e-2
 START_CELLS = 8, 12, 16, 24  # along a strip, at a start without an earlier result
 MOST_CELLS, NARROWER = 48, (1, 2)  # along a strip, and halvings of its width, in search of a pressure without tension
 TENSION = "the pressure is negative at an end of a strip; more strips may serve"
@@ -203,6 +204,8 @@ class LatticeContact:
         approach = problem.approach
         if approach <= 0:
             return ContactResult.failed(problem.overlap) if problem.overlap else ContactResult.separated(approach)
+        if problem.surface.revolves and approach > DEEPEST[bool(self.tables.bodies)]:
+            return ContactResult.failed(f"{TOO_DEEP}: both overlap by {1e3 * approach:.3g} mm", approach)
         try:
             problem.check_inside()
             solution = self._from_earlier(problem, guess, count) or self._from_none(problem, count)
@@ -218,14 +221,14 @@ class LatticeContact:
             )
             return contact_result(problem, solution, statistics)
         except (OutsideSurface, NotRolling, NotConverged, np.linalg.LinAlgError) as error:
-            deep = problem.surface.revolves and approach > DEEP
-            return ContactResult.failed(f"{TOO_DEEP}: {error}" if deep else str(error), approach)
+            return ContactResult.failed(str(error), approach)
 
     def _without_tension(self, problem: LatticeProblem, solution: LatticeSolution) -> ContactResult:
         """Result with more cells along the strips of a solution with tension, or on narrower strips. Raises
         NotConverged.
         """
-        for model in self._finer:
+        few = len(solution.state.strips) <= self.resolution.strips  # wider contacts have enough
+        for model in self._finer if few else self._finer[: -len(NARROWER)]:
             log.debug("tension; with %d cells along strips of level %d", model.cells, model.level)
             result = model.solve(model.problem(problem.pose, problem.motion))
             if result.ok:
