@@ -8,6 +8,7 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 
+FILLED = 0.9  # of the height of a web, at most, by both fillets
 CHORD_ERROR = 5e-4  # m, of a fillet's polyline: 0.2 rad and 10 mm an edge on 45 mm, no finer than the mesh there
 
 
@@ -23,7 +24,7 @@ class WheelShape:
         faces: y of back and front of the rim, m.
         web: thickness at rim and hub, m.
         web_middle: y of the middle of the web at rim and hub, m.
-        fillets: radii at rim and hub, m.
+        fillets: radii at rim and hub, m; of a web lower than both, as large as fit.
         hub_ends: y of the hub's ends, m.
         hub_radius, bore_radius: m.
 
@@ -60,7 +61,7 @@ class WheelShape:
             radius: nominal rolling radius, m.
             front, back: y of the faces of the rim, m.
 
-        Raises ValueError for fillets larger than the sides between them.
+        Raises ValueError for a hub that does not fit.
         """
         inner = radius - self.rim_thickness
         if not self.hub_radius < inner:
@@ -74,7 +75,8 @@ class WheelShape:
         bore = [(high, self.hub_radius), (high, self.bore_radius), (low, self.bore_radius), (low, self.hub_radius)]
         corners = np.array([(front, inner), *side(1.0), *bore, *side(-1.0)[::-1], (back, inner)])
         rounding = np.zeros(len(corners))
-        rounding[[1, 2, -3, -2]] = (*self.fillets, *self.fillets[::-1])
+        fillets = np.array(self.fillets) * min(1.0, FILLED * (inner - self.hub_radius) / sum(self.fillets))
+        rounding[[1, 2, -3, -2]] = (*fillets, *fillets[::-1])
         return rounded(corners, rounding)
 
 
