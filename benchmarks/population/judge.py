@@ -110,6 +110,8 @@ def judged(situation: Situation) -> Verdict:
     if not failures:
         return verdict("right", "", sides)
     reasons = {side: explanation(situation, side, result) for side, result in failures.items()}
+    if len({result.status for result in failures.values()}) == 1:  # one failure of both, for either's reason
+        reasons = dict.fromkeys(failures, next(filter(None, reasons.values()), ""))
     if all(reasons.values()):
         return verdict("explained failure", "; ".join(dict.fromkeys(reasons.values())), sides)
     unexplained = [failures[side].status for side, reason in reasons.items() if not reason]
@@ -271,7 +273,6 @@ def on_corner(rigid: RigidSide, result: SideResult) -> bool:
 
 def explanation(situation: Situation, side: Side, result: SideResult) -> str:
     """Reason of a failure that the oracle confirms; empty otherwise."""
-    side = next((own for own in SIDES if result.status.startswith(f"failed: {own} wheel: ")), side)  # that of both
     rigid, at = situation.rigid[side], situation.given_position(side)
     if "z" in situation.solve:
         deepest = float(rigid.section(at).depth.max())
