@@ -1,0 +1,95 @@
+// Forces of suspension elements and rotational springs: docs/theory/multibody.md.
+#pragma once
+#include "vehicle/multibody/core/bodies.hpp"
+
+namespace wr {
+
+// Piecewise linear law, linear beyond its points, too; an odd one is given for positive values.
+struct Law {
+    bool odd;
+    std::vector<double> values, forces;
+
+    template <class T>
+    T operator()(const T& x) const {
+        bool mirrored = odd && value(x) < 0.0;
+        T at = mirrored ? -x : x;
+        std::size_t i = 0, last = values.size() - 2;
+        while (i < last && value(at) >= values[i + 1]) ++i;
+        double slope = (forces[i + 1] - forces[i]) / (values[i + 1] - values[i]);
+        std::size_t point = values[i] >= 0.0 ? i : i + 1;  // the end nearer to zero: mirrored laws agree bit for bit
+        T force = slope * (at - values[point]) + forces[point];
+        return mirrored ? -force : force;
+    }
+};
+
+// Spring and damper along an axis of an element; in series with a spring the damper is a Maxwell element.
+struct Direction {
+    double spring, damper;        // N/m and N s/m; 0 where there is a law
+    int spring_law, damper_law;   // -1: none; of a Maxwell element the law of velocity over force
+    int series;                   // number of the Maxwell element; -1: none
+    double series_stiffness;      // N/m
+};
+
+struct Element {
+    int upper, lower;                      // bodies
+    Vec<double> upper_arm, lower_arm;      // m, of the points from the bodies' centres, in their axes
+    double turn;                           // part of the rotation from the lower to the upper body that the axes make
+    double static_load;                    // N
+    std::array<Direction, 3> directions;
+};
+
+struct RotationalSpring {
+    int upper, lower;
+    Vec<double> stiffness;  // N m/rad
+};
+
+// An element in motion: deflection m, its rate m/s and the force N on the upper body in its own axes, with the rates m/s of
+// its Maxwell elements' springs; force N on the upper body and moments N m about both bodies' centres in common axes.
+template <class T>
+struct ElementState {
+    Vec<T> deflection, deflection_rate, own_force, series_rate, force, on_upper, on_lower;
+};
+
+template <class T>
+T direction_force(const Direction& d, const std::vector<Law>& laws, const T& x, const T& rate, const T& series,
+                  T& series_rate) {
+    T force = -d.spring * x;
+    if (d.series < 0) force -= d.damper * rate;
+    if (d.spring_law >= 0) force -= laws[d.spring_law](x);
+    if (d.series < 0) return d.damper_law >= 0 ? force - laws[d.damper_law](rate) : force;
+    T tension = d.series_stiffness * series;
+    series_rate = rate - (d.damper_law >= 0 ? laws[d.damper_law](tension) : tension / d.damper);
+    return force - tension;
+}
+
+template <class T>
+ElementState<T> element_state(const Element& e, const std::vector<Law>& laws, const Motion<T>& upper,
+                              const Motion<T>& lower, bool wheelset, const Vec<T>& series) {
+    auto on_upper = upper.axes * e.upper_arm, on_lower = lower.axes * e.lower_arm;
+    auto place = lower.position + on_lower, gap = upper.position + on_upper - place;
+    auto gap_rate = upper.velocity + cross(upper.rate, on_upper) - (lower.velocity + cross(lower.rate, on_lower));
+    auto axes = e.turn == 0.0   ? lower.axes
+                : e.turn == 1.0 ? upper.axes
+                                : lower.axes * rotation_matrix(e.turn * rotation_vector(relative(lower.axes, upper.axes)));
+    auto axes_rate = (1.0 - e.turn) * lower.rate + e.turn * upper.rate;
+    auto x = back(axes, gap), rate = back(axes, gap_rate - cross(axes_rate, gap));
+    ElementState<T> s{x, rate, {}, {}, {}, {}, {}};
+    s.own_force = {direction_force(e.directions[0], laws, x.x, rate.x, series.x, s.series_rate.x),
+                   direction_force(e.directions[1], laws, x.y, rate.y, series.y, s.series_rate.y),
+                   direction_force(e.directions[2], laws, x.z, rate.z, series.z, s.series_rate.z) + e.static_load};
+    s.force = axes * s.own_force;
+    auto point = place + (1.0 - e.turn) * gap;
+    s.on_upper = cross(point - upper.position, s.force), s.on_lower = cross(point - lower.position, s.force);
+    // Bearings transmit no moment about the axle of a wheelset.
+    if (wheelset) s.on_lower = s.on_lower - dot(s.on_lower, lower.axes.y) * lower.axes.y;
+    return s;
+}
+
+// Moment N m on the upper body, in common axes, of the potential r.K r / 2 of rotation vectors r.
+template <class T>
+Vec<T> spring_moment(const RotationalSpring& spring, const Motion<T>& upper, const Motion<T>& lower) {
+    auto turned = rotation_vector(relative(lower.axes, upper.axes));
+    return lower.axes * (-1.0 * moment_of_gradient(turned, times(spring.stiffness, turned)));
+}
+
+}  // namespace wr

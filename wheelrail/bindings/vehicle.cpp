@@ -1,0 +1,218 @@
+// Python's face of the equations of motion of a vehicle.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/vector.h>
+
+#include "vehicle/multibody/core/derivatives.hpp"
+#include "vehicle/multibody/core/energy.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace wr;
+
+namespace {
+
+using Values = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using Result = nb::ndarray<nb::numpy, double>;
+using Triple = std::array<double, 3>;
+using Journey = std::array<double, 4>;  // distance m, speed m/s, acceleration m/s2, time s
+
+Vec<double> vec(const Triple& a) { return {a[0], a[1], a[2]}; }
+Travel<double> travel_of(const Journey& j) { return {j[0], j[1], j[2], j[3]}; }
+
+void require(const Values& values, std::size_t size, const char* name) {
+    if (values.size() != size)
+        throw nb::value_error((std::string(name) + ": must have " + std::to_string(size) + " values").c_str());
+}
+
+// Array of a shape that owns its values.
+Result array(std::vector<double> values, std::initializer_list<std::size_t> shape) {
+    auto* kept = new std::vector<double>(std::move(values));
+    nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<std::vector<double>*>(p); });
+    return Result(kept->data(), shape, owner);
+}
+
+void store(double*& to, const Vec<double>& a) { *to++ = a.x, *to++ = a.y, *to++ = a.z; }
+
+void check_ends(const Vehicle& v) {
+    auto body = [&](int i) { return i >= 0 && i < v.count(); };
+    auto law = [&](int i) { return i >= -1 && i < int(v.laws.size()); };
+    bool right = true;
+    for (const auto& e : v.elements) {
+        right &= body(e.upper) && body(e.lower);
+        for (const auto& d : e.directions)
+            right &= law(d.spring_law) && law(d.damper_law) && d.series >= -1 && d.series < v.maxwell;
+    }
+    for (const auto& pair : v.pairs)
+        right &= pair[0] >= 0 && pair[0] < int(v.elements.size()) && pair[1] >= -1 && pair[1] < int(v.elements.size());
+    for (const auto& s : v.springs) right &= body(s.upper) && body(s.lower);
+    for (const auto& t : v.torques) right &= body(t.wheelset) && body(t.reaction) && !t.size.places.empty();
+    for (const auto& f : v.forces) right &= body(f.body);
+    for (const auto& l : v.laws) right &= l.values.size() > 1 && l.values.size() == l.forces.size();
+    right &= !v.track.pieces.empty() && v.track.pieces.size() == v.track.starts.size();
+    if (!right) throw nb::value_error("vehicle: an index or a length does not fit");
+}
+
+Result sections(const Vehicle& v, double distance, Values state) {
+    require(state, v.states(), "state");
+    std::vector<double> rows(18 * v.bodies.size());
+    double* to = rows.data();
+    for (int i = 0; i < v.count(); ++i) {
+        auto s = v.section(i, distance, state.data());
+        store(to, s.position), store(to, s.axes.x), store(to, s.axes.y), store(to, s.axes.z);
+        store(to, s.rate), store(to, s.rate_slope);
+    }
+    return array(std::move(rows), {v.bodies.size(), 6, 3});
+}
+
+Result accelerations(const Vehicle& v, const Journey& travel, Values state, Values sections, Values contacts) {
+    require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
+    require(contacts, 6 * v.bodies.size(), "contacts");
+    std::vector<double> results(v.accelerated());
+    v.accelerations(travel_of(travel), state.data(), sections.data(), contacts.data(), results.data());
+    return array(std::move(results), {std::size_t(v.accelerated())});
+}
+
+nb::tuple derivatives(const Vehicle& v, const Journey& travel, const Journey& rates, Values state, Values contacts) {
+    require(state, v.states(), "state"), require(contacts, 6 * v.bodies.size(), "contacts");
+    VehicleDerivatives d(v, travel_of(travel), travel_of(rates), state.data(), contacts.data());
+    std::size_t rows = v.accelerated(), columns = v.states();
+    return nb::make_tuple(array(std::move(d.by_state), {rows, columns}), array(std::move(d.by_time), {rows}),
+                          array(std::move(d.by_wrench), {v.bodies.size(), 6, 6}));
+}
+
+// Position, velocity, axes and angular velocity (n, 6, 3), and force and moment (n, 2, 3) of suspension and loads.
+nb::tuple motions(const Vehicle& v, const Journey& travel, Values state, Values sections) {
+    require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
+    auto all = v.body_states(travel_of(travel), state.data(), sections.data());
+    std::vector<double> rows(18 * all.size()), loads(6 * all.size()), rates(v.maxwell);
+    double *to = rows.data(), *load = loads.data();
+    for (const auto& at : all) {
+        const auto& m = at.motion;
+        store(to, m.position), store(to, m.velocity), store(to, m.axes.x), store(to, m.axes.y), store(to, m.axes.z);
+        store(to, m.rate);
+    }
+    for (const auto& w : v.wrenches(all, state.data(), rates.data())) store(load, w.force), store(load, w.moment);
+    return nb::make_tuple(array(std::move(rows), {all.size(), 6, 3}), array(std::move(loads), {all.size(), 2, 3}));
+}
+
+// Deflections m, their rates m/s, forces N and rates m/s of the springs of Maxwell elements (4, e, 3) in the elements' axes.
+Result element_states(const Vehicle& v, const Journey& travel, Values state, Values sections) {
+    require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
+    auto all = v.body_states(travel_of(travel), state.data(), sections.data());
+    std::size_t size = 3 * v.elements.size();
+    std::vector<double> rows(4 * size);
+    for (std::size_t e = 0; e < v.elements.size(); ++e) {
+        const auto& own = v.elements[e];
+        auto s = element_state(own, v.laws, all[own.upper].motion, all[own.lower].motion, v.bodies[own.lower].wheelset,
+                               v.series_of<double>(own, state.data()));
+        const Vec<double>* parts[] = {&s.deflection, &s.deflection_rate, &s.own_force, &s.series_rate};
+        for (int k = 0; k < 4; ++k) {
+            double* to = rows.data() + k * size + 3 * e;
+            store(to, *parts[k]);
+        }
+    }
+    return array(std::move(rows), {4, v.elements.size(), 3});
+}
+
+// Torques (p,) N m about the axles, and components (f, 3) N of forces along the axes of the sections.
+nb::tuple load_values(const Vehicle& v, const Journey& travel, Values state, Values sections) {
+    require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
+    auto all = v.body_states(travel_of(travel), state.data(), sections.data());
+    std::vector<double> torques, forces(3 * v.forces.size());
+    double* to = forces.data();
+    for (const auto& t : v.torques)
+        torques.push_back(axle_torque(t, all[t.wheelset], all[t.reaction].motion, v.radius, v.release));
+    for (const auto& f : v.forces) store(to, components(f, all[f.body]));
+    return nb::make_tuple(array(std::move(torques), {v.torques.size()}), array(std::move(forces), {v.forces.size(), 3}));
+}
+
+}  // namespace
+
+NB_MODULE(_vehicle, m) {
+    nb::class_<Body>(m, "Body").def(
+        "__init__",
+        [](Body* self, double place, double height, double mass, Triple inertia, bool wheelset, std::array<bool, 6> held) {
+            new (self) Body{place, height, mass, vec(inertia), wheelset, held};
+        },
+        "place"_a, "height"_a, "mass"_a, "inertia"_a, "wheelset"_a, "held"_a);
+    nb::class_<Law>(m, "Law").def(
+        "__init__",
+        [](Law* self, bool odd, std::vector<double> values, std::vector<double> forces) {
+            new (self) Law{odd, std::move(values), std::move(forces)};
+        },
+        "odd"_a, "values"_a, "forces"_a);
+    nb::class_<Direction>(m, "Direction")
+        .def("__init__",
+             [](Direction* self, double spring, double damper, int spring_law, int damper_law, int series,
+                double series_stiffness) {
+                 new (self) Direction{spring, damper, spring_law, damper_law, series, series_stiffness};
+             },
+             "spring"_a, "damper"_a, "spring_law"_a, "damper_law"_a, "series"_a, "series_stiffness"_a);
+    nb::class_<Element>(m, "Element")
+        .def("__init__",
+             [](Element* self, int upper, int lower, Triple upper_arm, Triple lower_arm, double turn, double static_load,
+                std::array<Direction, 3> directions) {
+                 new (self) Element{upper, lower, vec(upper_arm), vec(lower_arm), turn, static_load, directions};
+             },
+             "upper"_a, "lower"_a, "upper_arm"_a, "lower_arm"_a, "turn"_a, "static_load"_a, "directions"_a);
+    nb::class_<RotationalSpring>(m, "RotationalSpring")
+        .def("__init__",
+             [](RotationalSpring* self, int upper, int lower, Triple stiffness) {
+                 new (self) RotationalSpring{upper, lower, vec(stiffness)};
+             },
+             "upper"_a, "lower"_a, "stiffness"_a);
+    nb::class_<Table>(m, "Table").def(
+        "__init__",
+        [](Table* self, bool by_distance, std::vector<double> places, std::vector<double> values) {
+            new (self) Table{by_distance, std::move(places), std::move(values)};
+        },
+        "by_distance"_a, "places"_a, "values"_a);
+    nb::class_<Torque>(m, "Torque")
+        .def("__init__",
+             [](Torque* self, int wheelset, int reaction, bool brake, Table size) {
+                 new (self) Torque{wheelset, reaction, brake, std::move(size)};
+             },
+             "wheelset"_a, "reaction"_a, "brake"_a, "size"_a);
+    nb::class_<Force>(m, "Force").def(
+        "__init__",
+        [](Force* self, int body, Triple arm, std::array<Table, 3> components) {
+            new (self) Force{body, vec(arm), std::move(components)};
+        },
+        "body"_a, "arm"_a, "components"_a);
+    nb::class_<Track>(m, "Track")
+        .def("__init__",
+             [](Track* self, std::vector<double> starts, std::vector<Track::Powers> pieces, double base,
+                std::vector<double> nodes, std::vector<double> weights) {
+                 new (self) Track{std::move(starts), std::move(pieces), base, std::move(nodes), std::move(weights)};
+             },
+             "starts"_a, "pieces"_a, "base"_a, "nodes"_a, "weights"_a);
+    nb::class_<Vehicle>(m, "Vehicle")
+        .def("__init__",
+             [](Vehicle* self, Track track, std::vector<Body> bodies, std::vector<Law> laws, std::vector<Element> elements,
+                std::vector<std::array<int, 2>> pairs, std::vector<RotationalSpring> springs, std::vector<Torque> torques,
+                std::vector<Force> forces, double radius, double gravity, double release, int kept,
+                std::array<double, 2> hold, int maxwell) {
+                 Vehicle v{track,  bodies,  laws,    elements, pairs, springs, torques, forces,
+                           radius, gravity, release, kept,     hold[0], hold[1], maxwell};
+                 check_ends(v);
+                 new (self) Vehicle(std::move(v));
+             },
+             "track"_a, "bodies"_a, "laws"_a, "elements"_a, "pairs"_a, "springs"_a, "torques"_a, "forces"_a, "radius"_a,
+             "gravity"_a, "release"_a, "kept"_a, "hold"_a, "maxwell"_a)
+        .def("sections", &sections, "distance"_a, "state"_a)
+        .def("accelerations", &accelerations, "travel"_a, "state"_a, "sections"_a, "contacts"_a)
+        .def("derivatives", &derivatives, "travel"_a, "rates"_a, "state"_a, "contacts"_a)
+        .def("motions", &motions, "travel"_a, "state"_a, "sections"_a)
+        .def("element_states", &element_states, "travel"_a, "state"_a, "sections"_a)
+        .def("load_values", &load_values, "travel"_a, "state"_a, "sections"_a)
+        .def("energy_rates",
+             [](const Vehicle& v, const Journey& travel, Values state, Values sections, Values contacts) {
+                 require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
+                 require(contacts, 6 * v.bodies.size(), "contacts");
+                 auto e = energy_rates(v, travel_of(travel), state.data(), sections.data(), contacts.data());
+                 return std::array<double, 5>{e.kinetic, e.contacts, e.weight, e.guidance, e.applied};
+             },
+             "travel"_a, "state"_a, "sections"_a, "contacts"_a);
+}

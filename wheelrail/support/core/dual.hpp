@@ -1,0 +1,97 @@
+// Numbers with their derivatives by N variables: forward-mode automatic differentiation.
+#pragma once
+#include <cmath>
+#include <type_traits>
+
+namespace wr {
+
+template <int N>
+struct Dual {
+    double v = 0.0;
+    double d[N] = {};
+
+    constexpr Dual() = default;
+    constexpr Dual(double x) : v(x) {}
+
+    // f(v) with the slope s
+    Dual chain(double value, double s) const {
+        Dual r(value);
+        for (int i = 0; i < N; ++i) r.d[i] = s * d[i];
+        return r;
+    }
+    Dual operator-() const { return chain(-v, -1.0); }
+    Dual& operator+=(const Dual& b) { return *this = *this + b; }
+    Dual& operator-=(const Dual& b) { return *this = *this - b; }
+    Dual& operator*=(const Dual& b) { return *this = *this * b; }
+    friend Dual operator+(const Dual& a, const Dual& b) {
+        Dual r(a.v + b.v);
+        for (int i = 0; i < N; ++i) r.d[i] = a.d[i] + b.d[i];
+        return r;
+    }
+    friend Dual operator-(const Dual& a, const Dual& b) {
+        Dual r(a.v - b.v);
+        for (int i = 0; i < N; ++i) r.d[i] = a.d[i] - b.d[i];
+        return r;
+    }
+    friend Dual operator*(const Dual& a, const Dual& b) {
+        Dual r(a.v * b.v);
+        for (int i = 0; i < N; ++i) r.d[i] = a.d[i] * b.v + a.v * b.d[i];
+        return r;
+    }
+    friend Dual operator/(const Dual& a, const Dual& b) {
+        Dual r(a.v / b.v);
+        for (int i = 0; i < N; ++i) r.d[i] = (a.d[i] - r.v * b.d[i]) / b.v;
+        return r;
+    }
+    // With a number: constants have no derivatives to carry along.
+    friend Dual operator+(Dual a, double b) { return a.v += b, a; }
+    friend Dual operator+(double b, Dual a) { return a.v += b, a; }
+    friend Dual operator-(Dual a, double b) { return a.v -= b, a; }
+    friend Dual operator-(double b, const Dual& a) { return a.chain(b - a.v, -1.0); }
+    friend Dual operator*(const Dual& a, double b) { return a.chain(a.v * b, b); }
+    friend Dual operator*(double b, const Dual& a) { return a.chain(a.v * b, b); }
+    friend Dual operator/(const Dual& a, double b) { return a.chain(a.v / b, 1.0 / b); }
+};
+
+template <int N>
+Dual<N> sin(const Dual<N>& a) {
+    return a.chain(std::sin(a.v), std::cos(a.v));
+}
+template <int N>
+Dual<N> cos(const Dual<N>& a) {
+    return a.chain(std::cos(a.v), -std::sin(a.v));
+}
+template <int N>
+Dual<N> sqrt(const Dual<N>& a) {
+    double r = std::sqrt(a.v);
+    return a.chain(r, 0.5 / r);
+}
+template <int N>
+Dual<N> atan(const Dual<N>& a) {
+    return a.chain(std::atan(a.v), 1.0 / (1.0 + a.v * a.v));
+}
+
+// Branches look at the value.
+inline double value(double x) { return x; }
+template <int N>
+double value(const Dual<N>& x) {
+    return x.v;
+}
+
+// A number x that changes by a slope along one variable; a plain number has no derivatives.
+template <class T>
+T variable(double x, int i, double slope = 1.0) {
+    T r(x);
+    if constexpr (!std::is_same_v<T, double>) r.d[i] = slope;
+    return r;
+}
+
+// The same number as one of more variables, of which its own begin at `first`.
+template <int M, int N>
+Dual<M> widened(const Dual<N>& x, int first) {
+    Dual<M> r(x.v);
+    for (int i = 0; i < N; ++i) r.d[first + i] = x.d[i];
+    return r;
+}
+
+}  // namespace wr
