@@ -1,0 +1,78 @@
+"""A vehicle, its track and its loads as one object of the compiled core."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wheelrail.bindings import _vehicle as core
+from wheelrail.vehicle.loads.load_table import LoadTable
+from wheelrail.vehicle.track.section_poses import GAUSS_NODES, GAUSS_WEIGHTS
+from wheelrail.vehicle.wagon.force_law import ForceLaw
+
+if TYPE_CHECKING:
+    from wheelrail.vehicle.multibody.applied_forces import AppliedForces
+    from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
+    from wheelrail.vehicle.track.section_poses import TrackSections
+    from wheelrail.vehicle.wagon.force_law import Law
+
+
+def vehicle_core(suspension: SuspensionForces, sections: TrackSections, applied: AppliedForces) -> core.Vehicle:
+    """Equations of motion.
+
+    Parameters:
+        suspension: of the vehicle.
+        sections: of the track.
+        applied: torques and forces.
+    """
+    coordinates = suspension.coordinates
+    vehicle, line, hold = coordinates.vehicle, sections.alignment, coordinates.vehicle.speed_hold
+    laws: list[core.Law] = []
+
+    def index(law: Law) -> int:
+        if not isinstance(law, ForceLaw):
+            return -1
+        laws.append(core.Law(law.odd, law.abscissae.tolist(), law.forces.tolist()))
+        return len(laws) - 1
+
+    def linear(law: Law) -> float:
+        return 0.0 if isinstance(law, ForceLaw) else float(law)
+
+    places = {place: m for m, place in enumerate(coordinates.maxwell)}
+
+    def direction(e: int, j: int) -> core.Direction:
+        part, m = elements[e], places.get((e, j), -1)
+        damping = part.damping[j]
+        law = damping.inverse if m >= 0 and isinstance(damping, ForceLaw) else damping
+        series = float(part.series_stiffness[j]) if m >= 0 else 0.0
+        return core.Direction(linear(part.stiffness[j]), linear(damping), index(part.stiffness[j]), index(law), m, series)
+
+    elements, (upper_arms, lower_arms) = list(vehicle.elements.values()), suspension.arms
+    return core.Vehicle(
+        track=core.Track(line.starts.tolist(), line.coefficients.tolist(), float(sections.track.base),
+                         GAUSS_NODES.tolist(), GAUSS_WEIGHTS.tolist()),
+        bodies=[core.Body(b.x, b.height, b.mass, b.inertia, b.wheelset, held)
+                for b, held in zip(vehicle.bodies.values(), (coordinates.held == 1).tolist(), strict=True)],
+        elements=[core.Element(upper, lower, upper_arm, lower_arm, float(part.turn), load,
+                               [direction(e, j) for j in range(3)])
+                  for e, (part, upper, lower, upper_arm, lower_arm, load) in enumerate(zip(
+                      elements, suspension.ends.upper.tolist(), suspension.ends.lower.tolist(), upper_arms.tolist(),
+                      lower_arms.tolist(), suspension.static_loads.tolist(), strict=True))],
+        laws=laws,
+        pairs=[list(pair) for pair in vehicle.mirror_pairs],
+        springs=[core.RotationalSpring(*ends, part.stiffness) for part, *ends in zip(
+            vehicle.rotational_springs.values(), suspension.rotational_ends.upper.tolist(),
+            suspension.rotational_ends.lower.tolist(), strict=True)],
+        torques=[core.Torque(i, j, part.brake, _table(LoadTable.of(part.torque))) for part, i, j in zip(
+            applied.loads.torques, applied.wheelsets.tolist(), applied.reactions.tolist(), strict=True)],
+        forces=[core.Force(i, arm, [_table(table) for table in part.components]) for part, i, arm in zip(
+            applied.loads.forces, applied.bodies.tolist(), applied.arms.tolist(), strict=True)],
+        radius=vehicle.radius, gravity=vehicle.gravity, release=applied.release,
+        kept=-1 if hold is None else vehicle.names.index(hold.body),
+        hold=(0.0, 0.0) if hold is None else (hold.stiffness, hold.damping),
+        maxwell=len(coordinates.maxwell),
+    )  # fmt: skip
+
+
+def _table(table: LoadTable) -> core.Table:
+    places, values = zip(*table.points, strict=True)
+    return core.Table(table.by_distance, places, values)
