@@ -10,20 +10,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelrail.bindings._vehicle import Vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
-from wheelrail.vehicle.multibody.compiled.bodies import Travel
-from wheelrail.vehicle.multibody.compiled.derivatives import derivatives
-from wheelrail.vehicle.multibody.compiled.equations import (
-    VehicleArrays,
-    accelerations,
-    element_states,
-    near,
-    sections,
-)
 from wheelrail.vehicle.multibody.coordinates import Coordinates
 from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
-from wheelrail.vehicle.multibody.vehicle_arrays import vehicle_arrays
+from wheelrail.vehicle.multibody.vehicle_core import vehicle_core
 from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.speed_profile import TrackPosition
 
@@ -75,8 +67,8 @@ class BodyEquations:
         return self.suspension.coordinates
 
     @cached_property
-    def arrays(self) -> VehicleArrays:
-        return vehicle_arrays(self.suspension, self.track, self.applied)
+    def core(self) -> Vehicle:
+        return vehicle_core(self.suspension, self.track, self.applied)
 
     def sections(self, travel: TrackPosition, state: Array) -> Array:
         """Track sections (n, 6, 3) at the bodies: position m, axes, rotation per length rad/m and its derivative.
@@ -85,8 +77,7 @@ class BodyEquations:
             travel: reference motion along the track.
             state: (2 c + m,).
         """
-        distance, whole = float(travel.distance), self._all(state)
-        return sections(self.arrays, distance, near(distance, whole), whole)
+        return self.core.sections(travel.distance, self._all(state))
 
     def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Array) -> Accelerations:
         """Accelerations of the coordinates, rates of Maxwell elements, and forces of constraints.
@@ -97,22 +88,21 @@ class BodyEquations:
             wrenches: (w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
             at: (n, 6, 3), sections of the track at the bodies.
         """
-        contact = self._contact(wrenches)
-        values = accelerations(self.arrays, at, _travel(travel), self._all(state), contact)
+        values = self.core.accelerations(travel, self._all(state), at, self._contact(wrenches))
         reactions = values[: self.coordinates.held.size].reshape(-1, 6)
         return Accelerations(self._in_components(values[self._rows]), reactions)
 
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
-        rates = Travel(travel.speed, travel.acceleration, jerk, 1.0)
-        contact, coordinates, count = self._contact(wrenches), self.coordinates, self.coordinates.count
-        columns = coordinates.within_all
-        found = derivatives(self.arrays, _travel(travel), rates, self._all(state), columns, contact)
-        by_state, by_time = found.by_state, found.by_time
+        rates, coordinates, count = (travel.speed, travel.acceleration, jerk, 1.0), self.coordinates, self.coordinates.count
+        found = self.core.derivatives(travel, rates, self._all(state), self._contact(wrenches))
+        by_state, by_time = found[0][np.ix_(self._rows, coordinates.within_all)], found[1][self._rows]
         if coordinates.maxwell:
             by_state[count:], by_time[count:] = (coordinates.from_series @ v[count:] for v in (by_state, by_time))
             by_state[:, 2 * count :] = by_state[:, 2 * count :] @ coordinates.series
-        return BodyDerivatives(by_state, found.by_wrench[:, :count], by_time)
+        by_wrench = np.zeros_like(found[2])
+        by_wrench[coordinates.wheelset_bodies] = found[2][coordinates.wheelset_bodies]
+        return BodyDerivatives(by_state, by_wrench.reshape(-1, 6)[coordinates.free].T, by_time)
 
     def element_states(self, travels: Sequence[TrackPosition], states: Array) -> tuple[Array, Array]:
         """Deflections m and forces N (r, e, 3) of the suspension elements on the upper bodies, in the elements' axes.
@@ -121,9 +111,34 @@ class BodyEquations:
             travels: reference motion along the track, of r states.
             states: (r, 2 c + m).
         """
-        motion = np.array(travels, dtype=float).reshape(-1, 4)
-        values = element_states(self.arrays, motion, self._all(states))
-        return values[:, 0], values[:, 1]
+        whole = zip(travels, self._all(states), strict=True)
+        rows = [self.core.element_states(at, state, self.core.sections(at.distance, state)) for at, state in whole]
+        values = np.array(rows).reshape(-1, 4, len(self.coordinates.vehicle.elements), 3)
+        return values[:, 0], values[:, 2]
+
+    def motions(self, travel: TrackPosition, state: Array) -> tuple[Array, Array]:
+        """Position m, velocity m/s, three axes and their angular velocity rad/s of the bodies (n, 6, 3), and force N and
+        moment N m (n, 2, 3) of suspension, loads and speed hold on them about their centres, all in common axes.
+
+        Parameters:
+            travel: reference motion along the track.
+            state: (2 c + m,).
+        """
+        whole = self._all(state)
+        return self.core.motions(travel, whole, self.core.sections(travel.distance, whole))
+
+    def load_values(self, travel: TrackPosition, state: Array) -> tuple[Array, Array]:
+        """Torques (p,) N m about the axles, and components (f, 3) N of the forces along the axes of the sections."""
+        whole = self._all(state)
+        return self.core.load_values(travel, whole, self.core.sections(travel.distance, whole))
+
+    def energy_rates(self, travel: TrackPosition, state: Array, wrenches: Array) -> tuple[float, ...]:
+        """Kinetic and elastic energy J in the moving track frames, and powers W of the contacts, dampers, gravity, inertial
+        forces of the frames and applied loads; parameters as for `accelerations`.
+        """
+        whole = self._all(state)
+        at = self.core.sections(travel.distance, whole)
+        return tuple(self.core.energy_rates(travel, whole, at, self._contact(wrenches)))
 
     @cached_property
     def _rows(self) -> NDArray[np.int64]:
@@ -147,6 +162,3 @@ class BodyEquations:
         result[self.coordinates.wheelset_bodies] = wrenches.reshape(-1, 2, 3)
         return result
 
-
-def _travel(travel: TrackPosition) -> Travel:
-    return Travel(*(float(value) for value in travel))

@@ -60,6 +60,11 @@ class Coordinates:
         return np.array(rows, dtype=np.int64)
 
     @cached_property
+    def places(self) -> Array:
+        """(n,) m, of the bodies along the vehicle."""
+        return np.array([body.x for body in self.vehicle.bodies.values()])
+
+    @cached_property
     def free(self) -> NDArray[np.int64]:
         """Indices (c,) of the free ones among the 6 n coordinates, body by body."""
         return np.flatnonzero(self.held == 0)

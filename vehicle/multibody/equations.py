@@ -20,7 +20,6 @@ from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.loads.applied_loads import AppliedLoads
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquations
-from wheelrail.vehicle.multibody.body_motion import BodyKinematics, BodyMotion
 from wheelrail.vehicle.multibody.coordinates import PITCH, RATE_SCALE, ROLL, YAW, Coordinates, X, Y, Z
 from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
 from wheelrail.vehicle.multibody.vehicle import Vehicle
@@ -90,17 +89,13 @@ class VehicleDynamics:
         return Coordinates(self.vehicle)
 
     @cached_property
-    def kinematics(self) -> BodyKinematics:
-        return BodyKinematics(self.coordinates, TrackSections(self.track))
-
-    @cached_property
     def suspension(self) -> SuspensionForces:
         return SuspensionForces(self.coordinates)
 
     @cached_property
     def bodies(self) -> BodyEquations:
         """Equations of motion of the bodies under given contact forces."""
-        return BodyEquations(self.suspension, self.kinematics.sections, self.applied)
+        return BodyEquations(self.suspension, TrackSections(self.track), self.applied)
 
     @cached_property
     def applied(self) -> AppliedForces:
@@ -216,7 +211,8 @@ class VehicleDynamics:
 
     def distances(self, travel: TrackPosition, state: Array) -> Array:
         """Distances (w,) m of the wheelsets along the track."""
-        return self.kinematics.distances(travel, state)[self.coordinates.wheelset_bodies]
+        position, wheelsets = self.coordinates.split(state).position, self.coordinates.wheelset_bodies
+        return np.asarray(travel.distance + (self.coordinates.places + position[..., X])[..., wheelsets])
 
     def structure_rates(self, time: float, state: Array, contacts: WheelContacts) -> Array:
         """Rates (w k,) of the motions of axles and rails under the loads of the contacts at a time s."""
@@ -308,16 +304,6 @@ class VehicleDynamics:
         """
         travel = self.speed_profile(time)
         return self.bodies.accelerations(travel, state, wrenches, self.bodies.sections(travel, state))
-
-    def hold_force(self, motion: BodyMotion, state: Array) -> Array:
-        """Force (..., n, 3) N in common axes that keeps the speed."""
-        hold, force = self.vehicle.speed_hold, np.zeros_like(motion.position)
-        if hold is not None:
-            i = self.vehicle.names.index(hold.body)
-            position, rate, _ = self.coordinates.split(state)
-            size = -hold.stiffness * position[..., i, X] - hold.damping * rate[..., i, X]
-            force[..., i, :] = size[..., None] * motion.sections.axes[..., i, :, 0]
-        return force
 
 
 def _require_finite(state: Array) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.body_motion import BodyKinematics
+from wheelrail.vehicle.multibody.body_equations import BodyEquations
 from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.vehicle import COORDINATES as ALL
@@ -75,11 +75,10 @@ class WagonOutputs(NamedTuple):
         rows = zip(times.tolist(), states, wrenches, strict=True)
         reactions = [dynamics.accelerations(*row[:2], row[2][None]).reactions[-1, YAW] for row in rows]
         # Bodies in one section of the track: the deflections are those on straight track.
-        kinematics = BodyKinematics(coordinates, TrackSections(Track()))
-        motion = kinematics(TrackPosition(0.0, 0.0, 0.0), states)
-        forces = dynamics.suspension(motion, coordinates.split(states).series)
+        straight = BodyEquations(dynamics.suspension, TrackSections(Track()), dynamics.applied)
+        deflection, force = straight.element_states([TrackPosition(0.0, 0.0, 0.0)] * len(states), states)
         left, right, stop = (names.index(n) for n in ("left_secondary_spring", "right_secondary_spring", "bumpstop"))
-        lateral, force = forces.deflection[..., Y], forces.element_force[..., Y]
+        lateral, force = deflection[..., Y], force[..., Y]
         # About the vertical of the track, the constraint has the moment cos(roll) times that about the wheelset's own.
         about_vertical = np.array(reactions) / np.cos(states[:, coordinates.index(WHEELSET, ROLL)])
         secondary = 0.5 * (lateral[:, left] + lateral[:, right])

@@ -9,7 +9,6 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.rotations import rotate_back
 
 
 @dataclass(frozen=True)
@@ -43,16 +42,13 @@ class Accelerometer:
             state: (2 c + m,).
 
         Newton's and Euler's equations of the body: F / m + alpha x p + omega x (omega x p) with the force F of
-        suspension and speed hold, and the angular acceleration alpha by their moment.
+        suspension, loads and speed hold, and the angular acceleration alpha by their moment.
         """
-        d = self.dynamics
+        d, travel = self.dynamics, self.dynamics.speed_profile(time)
         index, body = d.vehicle.names.index(self.body), d.vehicle.bodies[self.body]
-        motion = d.kinematics(d.speed_profile(time), state)
-        suspension = d.suspension(motion, d.coordinates.split(state).series)
-        force = suspension.force + d.hold_force(motion, state)
-        axes = motion.axes[index]
-        rate, moment = rotate_back(axes, motion.rate[index]), rotate_back(axes, suspension.moment[index])
+        motions, wrenches = d.bodies.motions(travel, state)
+        rate, (force, moment) = motions[index, 5], wrenches[index]
+        rate, force, moment = (motions[index, 2:5] @ vector for vector in (rate, force, moment))
         inertia, lever = d.inertia[index], np.array(self.point) - (body.x, 0.0, body.height)
         angular = (moment - cross(rate, inertia * rate)) / inertia
-        centripetal = cross(rate, cross(rate, lever))
-        return np.asarray(rotate_back(axes, force[index]) / body.mass + cross(angular, lever) + centripetal)
+        return np.asarray(force / body.mass + cross(angular, lever) + cross(rate, cross(rate, lever)))

@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW
-from wheelrail.vehicle.multibody.energy import damper_power, spring_energy
-from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.rotations import rotate_back
 from wheelrail.vehicle.simulation.history import History
 
 if TYPE_CHECKING:
@@ -81,54 +76,14 @@ def energy_balance(history: History) -> EnergyBalance:
     energy, power = np.empty(len(history)), np.empty((len(history), len(causes)))
     for i, row in enumerate(history.rows):
         wrenches = np.concatenate([row.force, row.moment], axis=2).sum(axis=1)
-        energy[i], power[i] = _of_bodies(dynamics, row.time, row.state, wrenches)
+        kinetic, elastic, *powers = dynamics.bodies.energy_rates(dynamics.speed_profile(row.time), row.state, wrenches)
+        energy[i], power[i] = kinetic + elastic, powers[: len(causes)]
     if dynamics.structure is not None:
         stored, supplied, dissipated = _of_structures(history, dynamics.structure)
         energy += stored
         power[:, 0] += supplied
         power[:, 1] -= dissipated
     return EnergyBalance(history.time, energy, power)
-
-
-def _of_bodies(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> tuple[float, Array]:
-    """Energy J, and powers (4,) or (5,) W, of bodies and suspension.
-
-    Parameters:
-        dynamics: equations of motion.
-        time: s.
-        state: (2 c + m + w k,).
-        wrenches: (w, 6) force N and moment N m of the contacts.
-    """
-    travel, wheelsets = dynamics.speed_profile(time), dynamics.coordinates.wheelset_bodies
-    motion, (_, rate, series) = dynamics.kinematics(travel, state), dynamics.coordinates.split(state)
-    frame, sections = motion.relative, motion.sections
-    velocity, down = frame.offset_rate, -sections.axes[:, 2]
-    vertical = np.broadcast_to([0.0, 0.0, 1.0], velocity.shape)
-    yaw, roll = rate[:, YAW, None] * vertical, rate[:, ROLL, None] * frame.roll_axis
-    turn = yaw + roll + rate[:, PITCH, None] * frame.axle
-    tangent = np.broadcast_to([1.0, 0.0, 0.0], velocity.shape)
-    acceleration = travel.acceleration * cross(sections.rate, frame.offset)
-    acceleration += frame.speed[:, None] ** 2 * cross(sections.rate_slope, frame.offset)
-    acceleration += cross(frame.frame_rate, cross(frame.frame_rate, frame.offset) + 2.0 * velocity)
-    acceleration += frame.speed[:, None] * cross(frame.frame_rate, tangent)
-    rolling = dynamics.kinematics.nominal[:, 2, None] * travel.acceleration / dynamics.vehicle.radius * frame.axle
-    spin, before = frame.spin[:, None] * frame.axle, frame.frame_rate + yaw
-    change = travel.acceleration * sections.rate + frame.speed[:, None] ** 2 * sections.rate_slope + rolling
-    change += cross(frame.frame_rate, yaw) + cross(before, roll) + cross(before + roll, spin)
-    own, whole, change = (rotate_back(frame.rotation, v) for v in (turn, before + roll + spin, change))
-    moment = dynamics.inertia * change + cross(whole, dynamics.inertia * whole)
-    kinetic = 0.5 * (dynamics.mass @ (velocity**2).sum(axis=1) + (dynamics.inertia * own**2).sum())
-    powers = [
-        (wrenches[:, :3] * velocity[wheelsets]).sum() + (wrenches[:, 3:] * turn[wheelsets]).sum(),
-        damper_power(dynamics, motion, series),
-        dynamics.vehicle.gravity * dynamics.mass @ (down * velocity).sum(axis=1),
-        -dynamics.mass @ (acceleration * velocity).sum(axis=1) - (moment * own).sum(),
-    ]
-    if dynamics.loads:
-        applied = dynamics.applied(travel, motion, state)
-        force, moments = (rotate_back(sections.axes, vectors) for vectors in (applied.force, applied.moment))
-        powers.append((force * velocity).sum() + (moments * turn).sum())
-    return kinetic + spring_energy(dynamics, motion, series), np.array(powers)
 
 
 def _of_structures(history: History, structure: Structure) -> Array:

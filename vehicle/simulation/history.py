@@ -129,9 +129,9 @@ class History:
         torque, force = np.zeros((len(self), len(d.vehicle.names))), np.zeros((len(self), len(d.vehicle.names), 3))
         for row, on_wheelsets, on_bodies in zip(self.rows, torque, force, strict=True):
             travel = d.speed_profile(row.time)
-            at = d.applied(travel, d.kinematics(travel, row.state), row.state)
-            np.add.at(on_wheelsets, d.applied.wheelsets, at.torque)
-            np.add.at(on_bodies, d.applied.bodies, at.components)
+            torques, components = d.bodies.load_values(travel, row.state)
+            np.add.at(on_wheelsets, d.applied.wheelsets, torques)
+            np.add.at(on_bodies, d.applied.bodies, components)
         return torque[:, d.coordinates.wheelset_bodies], force
 
     def position(self, body: str) -> Array:

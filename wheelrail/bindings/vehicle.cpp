@@ -54,16 +54,22 @@ void check_ends(const Vehicle& v) {
     if (!right) throw nb::value_error("vehicle: an index or a length does not fit");
 }
 
-Result sections(const Vehicle& v, double distance, Values state) {
-    require(state, v.states(), "state");
-    std::vector<double> rows(18 * v.bodies.size());
+// Rows (n, 6, 3): position, axes, rotation per length and its derivative.
+template <class SectionOf>
+Result section_rows(std::size_t count, const SectionOf& section_of) {
+    std::vector<double> rows(18 * count);
     double* to = rows.data();
-    for (int i = 0; i < v.count(); ++i) {
-        auto s = v.section(i, distance, state.data());
+    for (std::size_t i = 0; i < count; ++i) {
+        Section<double> s = section_of(i);
         store(to, s.position), store(to, s.axes.x), store(to, s.axes.y), store(to, s.axes.z);
         store(to, s.rate), store(to, s.rate_slope);
     }
-    return array(std::move(rows), {v.bodies.size(), 6, 3});
+    return array(std::move(rows), {count, 6, 3});
+}
+
+Result sections(const Vehicle& v, double distance, Values state) {
+    require(state, v.states(), "state");
+    return section_rows(v.bodies.size(), [&](int i) { return v.section(i, distance, state.data()); });
 }
 
 Result accelerations(const Vehicle& v, const Journey& travel, Values state, Values sections, Values contacts) {
@@ -82,7 +88,7 @@ nb::tuple derivatives(const Vehicle& v, const Journey& travel, const Journey& ra
                           array(std::move(d.by_wrench), {v.bodies.size(), 6, 6}));
 }
 
-// Position, velocity, axes and angular velocity (n, 6, 3), and force and moment (n, 2, 3) of suspension and loads.
+// Position, velocity, axes and angular velocity (n, 6, 3), and force and moment (n, 2, 3) of suspension, loads and hold.
 nb::tuple motions(const Vehicle& v, const Journey& travel, Values state, Values sections) {
     require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
     auto all = v.body_states(travel_of(travel), state.data(), sections.data());
@@ -93,7 +99,9 @@ nb::tuple motions(const Vehicle& v, const Journey& travel, Values state, Values 
         store(to, m.position), store(to, m.velocity), store(to, m.axes.x), store(to, m.axes.y), store(to, m.axes.z);
         store(to, m.rate);
     }
-    for (const auto& w : v.wrenches(all, state.data(), rates.data())) store(load, w.force), store(load, w.moment);
+    auto wrenches = v.wrenches(all, state.data(), rates.data());
+    if (v.kept >= 0) wrenches[v.kept].force = wrenches[v.kept].force + v.hold(all[v.kept]) * all[v.kept].section.axes.x;
+    for (const auto& w : wrenches) store(load, w.force), store(load, w.moment);
     return nb::make_tuple(array(std::move(rows), {all.size(), 6, 3}), array(std::move(loads), {all.size(), 2, 3}));
 }
 
@@ -187,7 +195,12 @@ NB_MODULE(_vehicle, m) {
                 std::vector<double> nodes, std::vector<double> weights) {
                  new (self) Track{std::move(starts), std::move(pieces), base, std::move(nodes), std::move(weights)};
              },
-             "starts"_a, "pieces"_a, "base"_a, "nodes"_a, "weights"_a);
+             "starts"_a, "pieces"_a, "base"_a, "nodes"_a, "weights"_a)
+        .def("sections",
+             [](const Track& t, Values stations, double reference) {
+                 return section_rows(stations.size(), [&](std::size_t i) { return t.section(stations.data()[i], reference); });
+             },
+             "stations"_a, "reference"_a);
     nb::class_<Vehicle>(m, "Vehicle")
         .def("__init__",
              [](Vehicle* self, Track track, std::vector<Body> bodies, std::vector<Law> laws, std::vector<Element> elements,
@@ -212,7 +225,7 @@ NB_MODULE(_vehicle, m) {
                  require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
                  require(contacts, 6 * v.bodies.size(), "contacts");
                  auto e = energy_rates(v, travel_of(travel), state.data(), sections.data(), contacts.data());
-                 return std::array<double, 5>{e.kinetic, e.contacts, e.weight, e.guidance, e.applied};
+                 return std::array<double, 7>{e.kinetic, e.elastic, e.contacts, e.dampers, e.weight, e.inertial, e.applied};
              },
              "travel"_a, "state"_a, "sections"_a, "contacts"_a);
 }

@@ -6,17 +6,47 @@
 
 namespace wr {
 
-// Kinetic energy J of the motion in the frames; powers W of contacts, weight, guidance (the accelerations of the frames) and
-// applied loads.
+// Kinetic energy J of the motion in the frames, and that of springs and static loads, zero in the nominal position; powers W
+// of contacts, dampers, weight, the accelerations of the frames, and applied loads.
 struct EnergyRates {
-    double kinetic = 0.0, contacts = 0.0, weight = 0.0, guidance = 0.0, applied = 0.0;
+    double kinetic = 0.0, elastic = 0.0, contacts = 0.0, dampers = 0.0, weight = 0.0, inertial = 0.0, applied = 0.0;
 };
+
+inline void add_direction(const Vehicle& vehicle, const Direction& d, double x, double rate, double series,
+                          double series_rate, EnergyRates& sum) {
+    sum.elastic += 0.5 * d.spring * x * x + (d.spring_law >= 0 ? vehicle.laws[d.spring_law].energy(x) : 0.0);
+    if (d.series >= 0) {
+        double tension = d.series_stiffness * series;
+        sum.elastic += 0.5 * tension * series, sum.dampers -= tension * (rate - series_rate);
+    } else {
+        sum.dampers -= (d.damper_law >= 0 ? vehicle.laws[d.damper_law](rate) : d.damper * rate) * rate;
+    }
+}
+
+inline void add_suspension(const Vehicle& vehicle, const std::vector<BodyState<double>>& all, const double* state,
+                           EnergyRates& sum) {
+    for (const auto& e : vehicle.elements) {
+        const auto &upper = all[e.upper].motion, &lower = all[e.lower].motion;
+        auto series = vehicle.series_of<double>(e, state);
+        auto s = element_state(e, vehicle.laws, upper, lower, vehicle.bodies[e.lower].wheelset, series);
+        const auto& [x, rate, turning] = std::tie(s.deflection, s.deflection_rate, s.series_rate);
+        add_direction(vehicle, e.directions[0], x.x, rate.x, series.x, turning.x, sum);
+        add_direction(vehicle, e.directions[1], x.y, rate.y, series.y, turning.y, sum);
+        add_direction(vehicle, e.directions[2], x.z, rate.z, series.z, turning.z, sum);
+        sum.elastic -= e.static_load * x.z;
+    }
+    for (const auto& spring : vehicle.springs) {
+        auto turned = rotation_vector(relative(all[spring.lower].motion.axes, all[spring.upper].motion.axes));
+        sum.elastic += 0.5 * dot(turned, times(spring.stiffness, turned));
+    }
+}
 
 inline EnergyRates energy_rates(const Vehicle& vehicle, const Travel<double>& travel, const double* state,
                                 const double* sections, const double* contacts) {
     EnergyRates sum;
     auto all = vehicle.body_states(travel, state, sections);
     auto applied = vehicle.loads(all);
+    add_suspension(vehicle, all, state, sum);
     for (int i = 0; i < vehicle.count(); ++i) {
         const auto& [body, at, f, c] = std::tie(vehicle.bodies[i], all[i], all[i].frame, applied[i]);
         const double *w = contacts + 6 * i, path = travel.acceleration;
@@ -28,7 +58,7 @@ inline EnergyRates energy_rates(const Vehicle& vehicle, const Travel<double>& tr
         sum.kinetic += 0.5 * (body.mass * dot(velocity, velocity) + dot(own, times(body.inertia, own)));
         sum.contacts += dot(Vec<double>{w[0], w[1], w[2]}, velocity) + dot(Vec<double>{w[3], w[4], w[5]}, turn);
         sum.weight -= vehicle.gravity * body.mass * dot(back(at.section.axes, Vec<double>{0.0, 0.0, 1.0}), velocity);
-        sum.guidance -= body.mass * dot(convective(at, path), velocity) + dot(moment, own);
+        sum.inertial -= body.mass * dot(convective(at, path), velocity) + dot(moment, own);
         sum.applied += dot(back(at.section.axes, c.force), velocity) + dot(back(at.section.axes, c.moment), turn);
     }
     return sum;

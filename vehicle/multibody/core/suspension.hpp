@@ -1,5 +1,7 @@
 // Forces of suspension elements and rotational springs: docs/theory/multibody.md.
 #pragma once
+#include <cmath>
+
 #include "vehicle/multibody/core/bodies.hpp"
 
 namespace wr {
@@ -19,6 +21,17 @@ struct Law {
         std::size_t point = values[i] >= 0.0 ? i : i + 1;  // the end nearer to zero: mirrored laws agree bit for bit
         T force = slope * (at - values[point]) + forces[point];
         return mirrored ? -force : force;
+    }
+
+    // Integral of the force from 0, J.
+    double energy(double x) const {
+        double at = odd ? std::abs(x) : x, sum = 0.0, from = 0.0;
+        auto area = [&](double end) { return 0.5 * ((*this)(from) + (*this)(end)) * (end - from); };
+        for (std::size_t i = 1; i + 1 < values.size(); ++i) {
+            double kink = at > 0.0 ? values[i] : values[values.size() - 1 - i];
+            if ((at > 0.0) == (kink > from) && kink != from && std::abs(kink) < std::abs(at)) sum += area(kink), from = kink;
+        }
+        return sum + area(at);
     }
 };
 

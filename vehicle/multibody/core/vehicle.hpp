@@ -106,6 +106,12 @@ struct Vehicle {
         }
     }
 
+    // Force N along the track that keeps the place of a body in the reference motion.
+    template <class T>
+    T hold(const BodyState<T>& at) const {
+        return -hold_stiffness * at.q[0] - hold_damping * at.rate[0];
+    }
+
     // Second derivatives of the coordinates of a body.
     // Parameters: force and moment of suspension and loads in common axes; contact: in its track frame.
     template <class T>
@@ -114,7 +120,7 @@ struct Vehicle {
         auto force = total.force;
         force.z = force.z - gravity * bodies[i].mass;
         force = back(at.section.axes, force) + contact.force;
-        if (kept == i) force.x += -hold_stiffness * at.q[0] - hold_damping * at.rate[0];
+        if (kept == i) force.x += hold(at);
         accelerate(bodies[i], radius, at, force, back(at.section.axes, total.moment) + contact.moment, results);
     }
 
