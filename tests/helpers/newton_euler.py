@@ -5,13 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy_vehicle import BodyMotion, NumpySuspension, applied_state, hold_force, kinematics, rotate, rotate_back
 
 from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.body_motion import BodyMotion
 from wheelrail.vehicle.multibody.coordinates import ROLL, YAW
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.rotations import rotate, rotate_back
 
 
 def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> Array:
@@ -24,16 +23,16 @@ def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches
         wrenches: (..., w, 6) force N and moment N m about the centre of each wheelset, in its track frame.
     """
     travel, wheelsets = dynamics.speed_profile(time), dynamics.coordinates.wheelset_bodies
-    motion = dynamics.kinematics(travel, state)
+    motion = kinematics(dynamics)(travel, state)
     _, rate, series = dynamics.coordinates.split(state)
-    suspension = dynamics.suspension(motion, series)
+    suspension = NumpySuspension(dynamics.suspension)(motion, series)
     force, moment = suspension.force, suspension.moment
     force[..., 2] -= dynamics.vehicle.gravity * dynamics.mass
-    force += dynamics.hold_force(motion, state)
+    force += hold_force(dynamics, motion, state)
     if dynamics.loads:
         for index in np.ndindex(state.shape[:-1]):
             at = BodyMotion(*(part_of(part, index) for part in motion))
-            applied = dynamics.applied(travel, at, state[index])
+            applied = applied_state(dynamics.applied, travel, at, state[index])
             force[index] += applied.force
             moment[index] += applied.moment
     force, moment = rotate_back(motion.sections.axes, force), rotate_back(motion.sections.axes, moment)
@@ -41,7 +40,7 @@ def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches
     moment[..., wheelsets, :] += wrenches[..., 3:]
     path, lateral, vertical = _translation(dynamics, motion, force)
     rotation = _rotation(dynamics, motion, rate, moment, path)
-    wheelset_angle = travel.acceleration / dynamics.vehicle.radius * dynamics.kinematics.nominal[:, 2]
+    wheelset_angle = travel.acceleration / dynamics.vehicle.radius * kinematics(dynamics).nominal[:, 2]
     parts = [path - travel.acceleration, lateral, vertical]
     parts += [rotation[..., 0], rotation[..., 1] - wheelset_angle, rotation[..., 2]]
     coordinates = np.stack(parts, axis=-1)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy_vehicle import BodyMotion, NumpySuspension, kinematics
 from track_frame import Frame
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.body_motion import BodyMotion
 from wheelrail.vehicle.multibody.coordinates import YAW, Coordinates
 from wheelrail.vehicle.multibody.coordinates import Y as LATERAL
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts, wheelset_wrenches
@@ -69,14 +69,14 @@ def motion_of(dynamics: VehicleDynamics, position: Array, rate: Array) -> BodyMo
     zero = np.zeros((*position.shape[:-2], 1))
     flat = position.reshape(*position.shape[:-2], 9), zero, rate.reshape(*rate.shape[:-2], 9), zero
     state = np.concatenate([*flat, np.zeros((*zero.shape[:-1], len(dynamics.coordinates.maxwell)))], axis=-1)
-    return dynamics.kinematics(TrackPosition(0.0, 1.0, 0.0), state)
+    return kinematics(dynamics)(TrackPosition(0.0, 1.0, 0.0), state)
 
 
 def suspension(dynamics: VehicleDynamics, position: Array, rate: Array, series: Array | None = None) -> Suspension:
     """Forces at positions and rates (..., 3, 3) and spring deflections (..., m) m of Maxwell elements."""
     if series is None:
         series = np.zeros((*position.shape[:-2], len(dynamics.coordinates.maxwell)))
-    found = dynamics.suspension(motion_of(dynamics, position, rate), series)
+    found = NumpySuspension(dynamics.suspension)(motion_of(dynamics, position, rate), series)
     on_bodies = np.concatenate([found.force[..., 1:], found.moment[..., :1]], axis=-1)
     return Suspension(on_bodies, found.deflection[..., 1:], found.element_force[..., 1:], found.series_rate)
 

@@ -15,7 +15,7 @@ from wheelrail.support.compiled import borrowing
 
 ROOT = Path(__file__).parents[2]
 # Folders of compiled functions.
-COMPILED = ("support", "forms", "meshes", "contact", "vehicle/multibody/compiled", "vehicle/simulation")
+COMPILED = ("support", "forms", "meshes", "contact", "vehicle/simulation")
 
 
 def borrowing_functions() -> list[Any]:

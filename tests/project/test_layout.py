@@ -88,8 +88,7 @@ _DRIVEN = {
     "vehicle.wagon",
 }
 MAY_IMPORT |= {
-    "vehicle.multibody.compiled": {"support", "vehicle.track"},
-    "vehicle.multibody": _DRIVEN | {"vehicle.multibody.compiled"},
+    "vehicle.multibody": _DRIVEN | {"bindings"},
     "vehicle.steady": _DRIVEN | {"vehicle.multibody"},
     "vehicle.simulation": _DRIVEN | {"vehicle.multibody", "vehicle.steady"},
 }

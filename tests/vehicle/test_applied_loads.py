@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from linear_creep import LinearCreep
 from newton_euler import accelerations
+from numpy_vehicle import applied_state, hold_force, kinematics, mechanical_energy, power, rotate
 from scipy.integrate import trapezoid
 from scipy.interpolate import CubicSpline
 from standard_pair import wheel_on_rail
@@ -19,10 +20,8 @@ from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.loads import AppliedLoads, BodyForce, LoadTable, WheelsetTorque
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X, Y, Z
-from wheelrail.vehicle.multibody.energy import mechanical_energy, power
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
-from wheelrail.vehicle.multibody.rotations import rotate
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.history import History
@@ -197,7 +196,7 @@ def test_loads_move_from_axle_to_axle_as_in_statics() -> None:
     dynamics = VehicleDynamics(free(), Track(), LinearCreep(), 30.0, loads=on_all(LoadTable(((0.5, 0.0), (2.5, -8e3)))))
     run = simulate(dynamics, (0.0, 12.0), steps=StepSettings("rosenbrock", 1e-4, 1e-6))
     deceleration, load = slope(run, run.speeds, 10.0), at_end(run)[1]
-    motion = dynamics.kinematics(dynamics.speed_profile(run.time[-1]), run.state[-1])
+    motion = kinematics(dynamics)(dynamics.speed_profile(run.time[-1]), run.state[-1])
     place = motion.position - [motion.position[0, 0], 0.0, 0.0]
     spins = 4 * WHEEL * deceleration / 0.46  # N m, of the wheels' rotation
     # By height over distance: the vehicle, about the rail below its car body.
@@ -237,11 +236,11 @@ def test_a_drawbar_is_balanced_by_creep_at_held_speed() -> None:
     )
     found = equilibrium(held)
     wrenches = wheelset_wrenches(found.contacts)
-    motion = held.kinematics(held.speed_profile(0.0), found.state)
-    applied = held.applied(held.speed_profile(0.0), motion, found.state)
+    motion = kinematics(held)(held.speed_profile(0.0), found.state)
+    applied = applied_state(held.applied, held.speed_profile(0.0), motion, found.state)
     np.testing.assert_allclose(applied.torque, -5e3, rtol=1e-12)
     along = [rotate(motion.sections.axes[i], wrenches[k, :3]) for k, i in enumerate(held.coordinates.wheelset_bodies)]
-    hold = held.hold_force(motion, found.state)
+    hold = hold_force(held, motion, found.state)
     weight = np.zeros((len(held.mass), 3))
     weight[:, 2] = -9.81 * held.mass
     # Sum of all forces on the vehicle, less those of the bodies' own circular motion.
@@ -253,8 +252,8 @@ def test_a_drawbar_is_balanced_by_creep_at_held_speed() -> None:
     np.testing.assert_allclose(total, inward, atol=1e-6 * held.vehicle.weight)
     straight = equilibrium(replace(held, track=Track()))
     force = wheelset_wrenches(straight.contacts)[:, 0].sum()
-    at = straight.dynamics.kinematics(held.speed_profile(0.0), straight.state)
-    hold = straight.dynamics.hold_force(at, straight.state)[:, 0].sum()
+    at = kinematics(straight.dynamics)(held.speed_profile(0.0), straight.state)
+    hold = hold_force(straight.dynamics, at, straight.state)[:, 0].sum()
     assert force + hold == pytest.approx(-pull, rel=1e-6)
     assert force == pytest.approx(-4 * 5e3 / 0.46, rel=2e-3)
 
@@ -265,7 +264,7 @@ def test_wind_loads_the_wheels_of_the_other_side() -> None:
     found = equilibrium(VehicleDynamics(manchester(), Track(), wheel_on_rail(), 30.0, loads=wind))
     wrenches = wheelset_wrenches(found.contacts)
     assert wrenches[:, 1].sum() == pytest.approx(-10e3, rel=1e-6)
-    motion = found.dynamics.kinematics(found.dynamics.speed_profile(0.0), found.state)
+    motion = kinematics(found.dynamics)(found.dynamics.speed_profile(0.0), found.state)
     sides = {n: np.array([c[s].force[2] for s in ("left", "right")]) for n, c in found.contacts.items()}
     shift = (9.81 * found.dynamics.mass * motion.position[:, 1]).sum()
     moments = sum(wrenches[k, 3] + np.cross(motion.position[i], wrenches[k, :3])[0] for k, i in enumerate(range(3, 7)))

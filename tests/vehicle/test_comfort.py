@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 import pytest
 from linear_creep import LinearCreep
+from numpy_vehicle import kinematics, rotate
 
 from wheelrail.contact.kinematics.frames import cross
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
@@ -18,7 +19,6 @@ from wheelrail.vehicle.evaluation.comfort import (
 )
 from wheelrail.vehicle.multibody.coordinates import ROLL
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.rotations import rotate
 from wheelrail.vehicle.simulation.accelerometer import Accelerometer
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
@@ -37,12 +37,12 @@ def test_an_accelerometer_measures_the_rate_of_its_point_s_velocity(body: str) -
     rate = dynamics(0.0, state).rate
 
     def velocity(h: float) -> np.ndarray:
-        motion = dynamics.kinematics(dynamics.speed_profile(h), state + h * rate)
+        motion = kinematics(dynamics)(dynamics.speed_profile(h), state + h * rate)
         return motion.velocity[index] + cross(motion.rate[index], rotate(motion.axes[index], lever))
 
     h = 1e-6
     acceleration = (velocity(h) - velocity(-h)) / (2 * h) + (0.0, 0.0, 9.81)
-    axes = dynamics.kinematics(dynamics.speed_profile(0.0), state).axes[index]
+    axes = kinematics(dynamics)(dynamics.speed_profile(0.0), state).axes[index]
     measured = Accelerometer(dynamics, body, FLOOR)(0.0, state)
     np.testing.assert_allclose(measured, acceleration @ axes, atol=1e-7)
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from linear_creep import LinearCreep
 from newton_euler import accelerations
+from numpy_vehicle import NumpySuspension, kinematics
 
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.compiled import equations
 from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.vehicle import SuspensionElement, Vehicle
@@ -91,7 +91,9 @@ def test_elements_of_many_rows_are_those_in_numpy(kind: str) -> None:
     travels = [dynamics.speed_profile(time) for time in times]
     deflection, force = dynamics.bodies.element_states(travels, np.array(states))
     for i, (travel, state) in enumerate(zip(travels, states, strict=True)):
-        expected = dynamics.suspension(dynamics.kinematics(travel, state), dynamics.coordinates.split(state).series)
+        expected = NumpySuspension(dynamics.suspension)(
+            kinematics(dynamics)(travel, state), dynamics.coordinates.split(state).series
+        )
         np.testing.assert_allclose(deflection[i], expected.deflection, rtol=0.0, atol=1e-13)
         largest = np.abs(expected.element_force).max()
         np.testing.assert_allclose(force[i], expected.element_force, rtol=0.0, atol=1e-12 * largest)
@@ -148,15 +150,6 @@ def test_derivatives_at_rest_have_no_error_of_differences() -> None:
     assert matrix[body, body] == pytest.approx(-2 * stiffness / 32000.0, rel=1e-12)
     assert matrix[front, body] == pytest.approx(stiffness / 2615.0, rel=1e-12)
     assert matrix[body, c + body] == pytest.approx(-2 * 2 * 20e3 / 32000.0, rel=1e-12)
-
-
-def test_one_machine_code_serves_all_vehicles() -> None:
-    """With and without rotational springs, force laws and Maxwell elements: arrays of any length have one type."""
-    plain = replace(dynamics_of("as it is"), vehicle=replace(manchester(), rotational_springs={}))
-    for dynamics in (plain, dynamics_of("Maxwell elements")):
-        time, state, wrenches = samples(dynamics)[0]
-        dynamics.accelerations(time, state, wrenches)
-    assert len(equations.accelerations.signatures) == 1  # type: ignore[attr-defined]
 
 
 def test_elements_at_both_sides_are_pairs() -> None:

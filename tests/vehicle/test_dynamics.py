@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy_vehicle import spring_energy
 from plane import MIRROR, constants, in_frame, motion_of, suspension, wrench_of
 from standin_contact import CONTACT, FunctionContact, SmoothContact, TwoPointContact
 from track_frame import Frame, frame_at
@@ -17,7 +18,6 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
-from wheelrail.vehicle.multibody.energy import spring_energy
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.plane_wagon import WagonOutputs, wagon_dynamics
 from wheelrail.vehicle.simulation.contact_cost import CountedContact

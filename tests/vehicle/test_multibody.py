@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from linear_creep import LinearCreep
+from numpy_vehicle import mechanical_energy, power
 from scipy.linalg import eigvals
 from scipy.optimize import brentq
 from track_frame import heading
@@ -20,7 +21,6 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.multibody.coordinates import PITCH
-from wheelrail.vehicle.multibody.energy import mechanical_energy, power
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SpeedHold, SuspensionElement, Vehicle, VehicleBody

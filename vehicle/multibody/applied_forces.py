@@ -5,36 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.loads.applied_loads import AppliedLoads
-from wheelrail.vehicle.multibody.body_motion import BodyMotion
-from wheelrail.vehicle.multibody.coordinates import Coordinates, X
-from wheelrail.vehicle.multibody.rotations import rotate
+from wheelrail.vehicle.multibody.coordinates import Coordinates
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
-from wheelrail.vehicle.track.speed_profile import TrackPosition
 
 LOCKED = 0.05  # m/s at the rim, half the speed at which a run ends: a slower wheel in a friction brake is held
-
-
-class AppliedState(NamedTuple):
-    """Torques and forces at one time, in common axes unless another is named.
-
-    Parameters:
-        torque: (p,) N m, of each torque on its wheelset, about the axle.
-        components: (f, 3) N, of each force along the axes of the track section at its body.
-        force, moment: (n, 3) N and N m about the centres of mass, on the bodies.
-    """
-
-    torque: Array
-    components: Array
-    force: Array
-    moment: Array
 
 
 @dataclass(frozen=True)
@@ -98,41 +78,6 @@ class AppliedForces:
             (p.point[0] - bodies[p.body].x, p.point[1], p.point[2] - bodies[p.body].height) for p in self.loads.forces
         ]
         return np.array(rows, dtype=float).reshape(-1, 3)
-
-    def __call__(self, travel: TrackPosition, motion: BodyMotion, state: Array) -> AppliedState:
-        """Torques and forces of a state.
-
-        Parameters:
-            travel: reference motion along the track.
-            motion: of the bodies.
-            state: (2 c + m,).
-        """
-        distance = travel.distance + self.coordinates.split(state).position[:, X]
-        force, moment = np.zeros_like(motion.position), np.zeros_like(motion.position)
-        owners = [*self.wheelsets.tolist(), *np.repeat(self.bodies, 3).tolist()]
-        values = np.array(
-            [table.at(travel.time, distance[i]) for table, i in zip(self.loads.tables, owners, strict=True)]
-        )
-        axle = motion.axes[self.wheelsets, :, 1]
-        torque = self._with_brakes(values[: len(axle)], motion, axle)
-        np.add.at(moment, self.wheelsets, torque[:, None] * axle)
-        np.add.at(moment, self.reactions, -torque[:, None] * axle)
-        components = values[len(axle) :].reshape(-1, 3)
-        own = rotate(motion.sections.axes[self.bodies], components)
-        turning = cross(rotate(motion.axes[self.bodies], self.arms), own)
-        # Bearings transmit no moment about the axle of a wheelset.
-        about = motion.axes[self.bodies, :, 1]
-        is_wheelset = np.isin(self.bodies, self.coordinates.wheelset_bodies)[:, None]
-        turning = turning - np.where(is_wheelset, (turning * about).sum(axis=1, keepdims=True), 0.0) * about
-        np.add.at(force, self.bodies, own)
-        np.add.at(moment, self.bodies, turning)
-        return AppliedState(torque, components, force, moment)
-
-    def _with_brakes(self, values: Array, motion: BodyMotion, axle: Array) -> Array:
-        """Torques (p,) N m of values (p,), of which those of friction brakes act against the rotation."""
-        spin = motion.relative.spin[self.wheelsets]
-        spin = spin + ((motion.rate[self.wheelsets] - motion.rate[self.reactions]) * axle).sum(axis=1)
-        return np.where(self.brakes, -values * np.clip(spin / self.release, -1.0, 1.0), values)
 
     def _index(self, name: str) -> int:
         return self.coordinates.vehicle.names.index(name)

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-
 from wheelrail.bindings._vehicle import Vehicle
+
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.coordinates import Coordinates
@@ -94,7 +94,11 @@ class BodyEquations:
 
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
-        rates, coordinates, count = (travel.speed, travel.acceleration, jerk, 1.0), self.coordinates, self.coordinates.count
+        rates, coordinates, count = (
+            (travel.speed, travel.acceleration, jerk, 1.0),
+            self.coordinates,
+            self.coordinates.count,
+        )
         found = self.core.derivatives(travel, rates, self._all(state), self._contact(wrenches))
         by_state, by_time = found[0][np.ix_(self._rows, coordinates.within_all)], found[1][self._rows]
         if coordinates.maxwell:
@@ -117,8 +121,8 @@ class BodyEquations:
         return values[:, 0], values[:, 2]
 
     def motions(self, travel: TrackPosition, state: Array) -> tuple[Array, Array]:
-        """Position m, velocity m/s, three axes and their angular velocity rad/s of the bodies (n, 6, 3), and force N and
-        moment N m (n, 2, 3) of suspension, loads and speed hold on them about their centres, all in common axes.
+        """Position m, velocity m/s, three axes and their angular velocity rad/s (n, 6, 3) of the bodies, and force N
+        and moment N m (n, 2, 3) of suspension, loads and speed hold about their centres, all in common axes.
 
         Parameters:
             travel: reference motion along the track.
@@ -133,7 +137,7 @@ class BodyEquations:
         return self.core.load_values(travel, whole, self.core.sections(travel.distance, whole))
 
     def energy_rates(self, travel: TrackPosition, state: Array, wrenches: Array) -> tuple[float, ...]:
-        """Kinetic and elastic energy J in the moving track frames, and powers W of the contacts, dampers, gravity, inertial
+        """Kinetic and elastic energy J in the moving track frames, and powers W of contacts, dampers, gravity, inertial
         forces of the frames and applied loads; parameters as for `accelerations`.
         """
         whole = self._all(state)
@@ -161,4 +165,3 @@ class BodyEquations:
         result = np.zeros((len(self.coordinates.vehicle.names), 2, 3))
         result[self.coordinates.wheelset_bodies] = wrenches.reshape(-1, 2, 3)
         return result
-

@@ -44,7 +44,9 @@ def vehicle_core(suspension: SuspensionForces, sections: TrackSections, applied:
         damping = part.damping[j]
         law = damping.inverse if m >= 0 and isinstance(damping, ForceLaw) else damping
         series = float(part.series_stiffness[j]) if m >= 0 else 0.0
-        return core.Direction(linear(part.stiffness[j]), linear(damping), index(part.stiffness[j]), index(law), m, series)
+        return core.Direction(
+            linear(part.stiffness[j]), linear(damping), index(part.stiffness[j]), index(law), m, series
+        )
 
     elements, (upper_arms, lower_arms) = list(vehicle.elements.values()), suspension.arms
     return core.Vehicle(

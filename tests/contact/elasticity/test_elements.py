@@ -7,6 +7,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from numpy_vehicle import damper_power, spring_energy
 from plane import mirror_signs, motion_of, suspension
 from scipy.integrate import quad
 from scipy.interpolate import interp1d
@@ -15,7 +16,6 @@ from standin_contact import CONTACT
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.multibody.energy import damper_power, spring_energy
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.multibody.plane_wagon import COUNT, wagon_dynamics

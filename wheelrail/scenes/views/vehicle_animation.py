@@ -14,10 +14,9 @@ from wheelrail.scenes.plots.style import PRESSURE_MAP
 from wheelrail.scenes.plots.style import SIDES as SIDE_STYLE
 from wheelrail.scenes.views.animation import RAIL, STEEL, RunBodies, check_options, write_frames
 from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
-from wheelrail.scenes.views.vehicle_poses import DrawnVehicle, equal_box
+from wheelrail.scenes.views.vehicle_poses import DrawnVehicle, body_rotation, equal_box
 from wheelrail.scenes.views.whole_bodies import AXLE, wheel_body
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.rotations import body_rotation
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.rotations import body_rotation, rotate, rotation_vector
 from wheelrail.vehicle.track.section_poses import SectionPoses, TrackSections
 
 if TYPE_CHECKING:
@@ -92,6 +91,8 @@ class DrawnVehicle:
             distance: of the reference motion along the track, m.
             coordinates: (n, 6) of the bodies, m and rad.
         """
+        from scipy.spatial.transform import Rotation
+
         nominal = np.array([[b.x, b.height, b.wheelset] for b in self.vehicle.bodies.values()])
         sections = self.sections.at(distance + nominal[:, 0] + coordinates[:, 0], distance)
         roll, pitch, yaw = coordinates[:, 3], np.where(nominal[:, 2] > 0, 0.0, coordinates[:, 4]), coordinates[:, 5]
@@ -101,9 +102,21 @@ class DrawnVehicle:
         at_rest = self.undeflected(sections)
         back = np.swapaxes(at_rest.axes, 1, 2)
         displacement = rotate(back, position - at_rest.position)
-        turn = rotation_vector(back @ axes)
+        turn = Rotation.from_matrix(back @ axes).as_rotvec()
         drawn = at_rest.position + rotate(at_rest.axes, self.scale * displacement)
         return BodyPoses(drawn, at_rest.axes @ matrices(self.scale * turn))
+
+
+def rotate(matrices: Array, vectors: Array) -> Array:
+    """Products (n, 3) of matrices and vectors."""
+    return np.asarray(np.einsum("nij,nj->ni", matrices, vectors))
+
+
+def body_rotation(roll: Array, pitch: Array, yaw: Array) -> Array:
+    """Rz(yaw) Rx(roll) Ry(pitch) (n, 3, 3) of angles (n,) rad."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_euler("ZXY", np.stack([yaw, roll, pitch], axis=-1)).as_matrix())
 
 
 def axes_along(x: Array, z: Array) -> Array:

@@ -1,1 +1,0 @@
-"""Equations of motion of a vehicle, and their exact derivatives, in compiled code."""
