@@ -33,6 +33,14 @@ Result array(std::vector<double> values, std::initializer_list<std::size_t> shap
     return Result(kept->data(), shape, owner);
 }
 
+template <int N>
+using Results = std::conditional_t<N == 3, nb::typed<nb::tuple, Result, Result, Result>, nb::typed<nb::tuple, Result, Result>>;
+
+template <class... R>
+Results<sizeof...(R)> results(R... arrays) {
+    return Results<sizeof...(R)>(nb::make_tuple(arrays...));
+}
+
 void store(double*& to, const Vec<double>& a) { *to++ = a.x, *to++ = a.y, *to++ = a.z; }
 
 void check_ends(const Vehicle& v) {
@@ -80,16 +88,16 @@ Result accelerations(const Vehicle& v, const Journey& travel, Values state, Valu
     return array(std::move(results), {std::size_t(v.accelerated())});
 }
 
-nb::tuple derivatives(const Vehicle& v, const Journey& travel, const Journey& rates, Values state, Values contacts) {
+Results<3> derivatives(const Vehicle& v, const Journey& travel, const Journey& rates, Values state, Values contacts) {
     require(state, v.states(), "state"), require(contacts, 6 * v.bodies.size(), "contacts");
     VehicleDerivatives d(v, travel_of(travel), travel_of(rates), state.data(), contacts.data());
     std::size_t rows = v.accelerated(), columns = v.states();
-    return nb::make_tuple(array(std::move(d.by_state), {rows, columns}), array(std::move(d.by_time), {rows}),
+    return results(array(std::move(d.by_state), {rows, columns}), array(std::move(d.by_time), {rows}),
                           array(std::move(d.by_wrench), {v.bodies.size(), 6, 6}));
 }
 
 // Position, velocity, axes and angular velocity (n, 6, 3), and force and moment (n, 2, 3) of suspension, loads and hold.
-nb::tuple motions(const Vehicle& v, const Journey& travel, Values state, Values sections) {
+Results<2> motions(const Vehicle& v, const Journey& travel, Values state, Values sections) {
     require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
     auto all = v.body_states(travel_of(travel), state.data(), sections.data());
     std::vector<double> rows(18 * all.size()), loads(6 * all.size()), rates(v.maxwell);
@@ -102,7 +110,7 @@ nb::tuple motions(const Vehicle& v, const Journey& travel, Values state, Values 
     auto wrenches = v.wrenches(all, state.data(), rates.data());
     if (v.kept >= 0) wrenches[v.kept].force = wrenches[v.kept].force + v.hold(all[v.kept]) * all[v.kept].section.axes.x;
     for (const auto& w : wrenches) store(load, w.force), store(load, w.moment);
-    return nb::make_tuple(array(std::move(rows), {all.size(), 6, 3}), array(std::move(loads), {all.size(), 2, 3}));
+    return results(array(std::move(rows), {all.size(), 6, 3}), array(std::move(loads), {all.size(), 2, 3}));
 }
 
 // Deflections m, their rates m/s, forces N and rates m/s of the springs of Maxwell elements (4, e, 3) in the elements' axes.
@@ -125,7 +133,7 @@ Result element_states(const Vehicle& v, const Journey& travel, Values state, Val
 }
 
 // Torques (p,) N m about the axles, and components (f, 3) N of forces along the axes of the sections.
-nb::tuple load_values(const Vehicle& v, const Journey& travel, Values state, Values sections) {
+Results<2> load_values(const Vehicle& v, const Journey& travel, Values state, Values sections) {
     require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
     auto all = v.body_states(travel_of(travel), state.data(), sections.data());
     std::vector<double> torques, forces(3 * v.forces.size());
@@ -133,7 +141,7 @@ nb::tuple load_values(const Vehicle& v, const Journey& travel, Values state, Val
     for (const auto& t : v.torques)
         torques.push_back(axle_torque(t, all[t.wheelset], all[t.reaction].motion, v.radius, v.release));
     for (const auto& f : v.forces) store(to, components(f, all[f.body]));
-    return nb::make_tuple(array(std::move(torques), {v.torques.size()}), array(std::move(forces), {v.forces.size(), 3}));
+    return results(array(std::move(torques), {v.torques.size()}), array(std::move(forces), {v.forces.size(), 3}));
 }
 
 }  // namespace
