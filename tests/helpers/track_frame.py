@@ -35,5 +35,5 @@ def frame_at(track: Track, s: float, speed: float, acceleration: float = 0.0) ->
 
 def heading(track: Track, s: float) -> float:
     """Angle of the tangent in plan relative to s = 0, rad."""
-    direction = TrackSections(track).direction
-    return float(direction(np.array(s))[0] - direction(np.array(0.0))[0])
+    alignment = TrackSections(track).alignment
+    return float(alignment(np.array(s))[0] - alignment(np.array(0.0))[0])

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wheelrail.bindings import _vehicle as core
+import wheelrail.bindings._vehicle as core
 from wheelrail.vehicle.loads.load_table import LoadTable
-from wheelrail.vehicle.track.section_poses import GAUSS_NODES, GAUSS_WEIGHTS
 from wheelrail.vehicle.wagon.force_law import ForceLaw
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ def vehicle_core(suspension: SuspensionForces, sections: TrackSections, applied:
         applied: torques and forces.
     """
     coordinates = suspension.coordinates
-    vehicle, line, hold = coordinates.vehicle, sections.alignment, coordinates.vehicle.speed_hold
+    vehicle, hold = coordinates.vehicle, coordinates.vehicle.speed_hold
     laws: list[core.Law] = []
 
     def index(law: Law) -> int:
@@ -50,8 +49,7 @@ def vehicle_core(suspension: SuspensionForces, sections: TrackSections, applied:
 
     elements, (upper_arms, lower_arms) = list(vehicle.elements.values()), suspension.arms
     return core.Vehicle(
-        track=core.Track(line.starts.tolist(), line.coefficients.tolist(), float(sections.track.base),
-                         GAUSS_NODES.tolist(), GAUSS_WEIGHTS.tolist()),
+        track=sections.core,
         bodies=[core.Body(b.x, b.height, b.mass, b.inertia, b.wheelset, held)
                 for b, held in zip(vehicle.bodies.values(), (coordinates.held == 1).tolist(), strict=True)],
         elements=[core.Element(upper, lower, upper_arm, lower_arm, float(part.turn), load,
@@ -61,7 +59,7 @@ def vehicle_core(suspension: SuspensionForces, sections: TrackSections, applied:
                       lower_arms.tolist(), suspension.static_loads.tolist(), strict=True))],
         laws=laws,
         pairs=[list(pair) for pair in vehicle.mirror_pairs],
-        springs=[core.RotationalSpring(*ends, part.stiffness) for part, *ends in zip(
+        springs=[core.RotationalSpring(upper, lower, part.stiffness) for part, upper, lower in zip(
             vehicle.rotational_springs.values(), suspension.rotational_ends.upper.tolist(),
             suspension.rotational_ends.lower.tolist(), strict=True)],
         torques=[core.Torque(i, j, part.brake, _table(LoadTable.of(part.torque))) for part, i, j in zip(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -185,9 +185,9 @@ class Excitation:
 
 def _alignment(track: Track) -> LocalPolynomials:
     """Displacements of the track to the left and upwards, and of its rails by cant, m."""
-    whole = TrackSections(track)
-    cant = LocalPolynomials(whole.alignment.starts, 0.5 * whole.alignment.coefficients[:, :, 2:3])
-    return LocalPolynomials.joined([whole.direction.integral, cant])
+    line = TrackSections(track).alignment
+    direction, cant = (LocalPolynomials(line.starts, line.coefficients[:, :, columns]) for columns in ([0, 3], [2]))
+    return LocalPolynomials.joined([direction.integral, replace(cant, coefficients=0.5 * cant.coefficients)])
 
 
 def _rails(irregularities: Irregularities) -> LocalPolynomials:

@@ -9,13 +9,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wheelrail.bindings._vehicle import Track
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.track import track
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
-from wheelrail.vehicle.track.track import Track
 
 DEGREE = 7  # of the local polynomials; those of a `PiecewiseFunction` have degree 5
-REACH = 200.0  # m from the reference, within which boundaries of pieces are boundaries of the quadrature
-GAUSS_NODES, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(10)  # type: ignore[no-untyped-call]
+GAUSS = np.polynomial.legendre.leggauss(10)  # type: ignore[no-untyped-call]
 
 
 class SectionPoses(NamedTuple):
@@ -109,7 +109,7 @@ class TrackSections:
         track: alignment; irregularities are not part of it.
     """
 
-    track: Track
+    track: track.Track
 
     @cached_property
     def breaks(self) -> tuple[float, ...]:
@@ -137,9 +137,12 @@ class TrackSections:
         return LocalPolynomials.joined([heading, functions, functions.derivative, functions.derivative.derivative])
 
     @cached_property
-    def direction(self) -> LocalPolynomials:
-        """Heading and gradient, rad."""
-        return LocalPolynomials(self.alignment.starts, self.alignment.coefficients[:, :, [0, 3]])
+    def core(self) -> Track:
+        """The same in the compiled core."""
+        line = self.alignment
+        return Track(
+            line.starts.tolist(), line.coefficients.tolist(), self.track.base, *(part.tolist() for part in GAUSS)
+        )
 
     def at(self, stations: Array, reference: float) -> SectionPoses:
         """Sections at distances (...) m, in the axes at the distance of the reference, m.
@@ -147,46 +150,6 @@ class TrackSections:
         Orientation Rz(heading) Ry(-gradient) Rx(roll), as in `Track.frame`. Positions by Gauss quadrature of the
         tangent, within smooth pieces.
         """
-        heading, curvature, h, a, dcurvature, dh, da, _, ddh, dda = np.moveaxis(self.alignment(stations), -1, 0)
-        at_reference = float(self.direction(np.array(reference))[0])
-        heading = heading - at_reference
-        h, dh, ddh = (value / -self.track.base for value in (h, dh, ddh))
-        root = np.sqrt(1.0 - h * h)
-        p, dp, ddp = np.arcsin(h), dh / root, ddh / root + h * dh * dh / root**3
-        ca, sa, cp, sp, ch, sh = (f(x) for x in (a, p, heading) for f in (np.cos, np.sin))
-        turn, dturn = curvature * ca, dcurvature * ca - curvature * da * sa
-        across, dacross = turn * ca, dturn * ca - turn * da * sa
-        rate = _vectors(dp + turn * sa, across * sp - da * cp, across * cp + da * sp)
-        rate_slope = _vectors(
-            ddp + dturn * sa + turn * da * ca,
-            dacross * sp + across * dp * cp - dda * cp + da * dp * sp,
-            dacross * cp - across * dp * sp + dda * sp + da * dp * cp,
-        )
-        tangent, left = _vectors(ch * ca, sh * ca, sa), _vectors(-sh, ch, 0.0 * sh)
-        upright = _vectors(-ch * sa, -sh * sa, ca)
-        lateral = cp[..., None] * left + sp[..., None] * upright
-        normal = cp[..., None] * upright - sp[..., None] * left
-        axes = np.stack([tangent, lateral, normal], axis=-1)
-        return SectionPoses(self._positions(stations, reference, at_reference), axes, rate, rate_slope)
-
-    def _positions(self, stations: Array, reference: float, heading: float) -> Array:
-        """Positions (..., 3) m of the centre line relative to the reference, of a given heading, rad."""
-        inside = [b for b in self.breaks if abs(b - reference) < REACH]
-        knots = np.array(sorted({reference, *inside}))
-        steps = self._advance(knots[:-1], knots[1:], heading)
-        at_knots = np.vstack([np.zeros(3), np.cumsum(steps, axis=0)])
-        at_knots -= at_knots[np.searchsorted(knots, reference)]
-        nearest = np.maximum(np.searchsorted(knots, stations, side="right") - 1, 0)
-        return np.asarray(at_knots[nearest] + self._advance(knots[nearest], stations, heading))
-
-    def _advance(self, start: Array, end: Array, heading: float) -> Array:
-        """Displacement (..., 3) m along the centre line from start to end (...) m, x along a heading, rad."""
-        half = 0.5 * (end - start)[..., None]
-        direction = self.direction(0.5 * (start + end)[..., None] + half * GAUSS_NODES)
-        turned, a = direction[..., 0] - heading, direction[..., 1]
-        tangent = _vectors(np.cos(turned) * np.cos(a), np.sin(turned) * np.cos(a), np.sin(a))
-        return np.asarray(((half * GAUSS_WEIGHTS)[..., None] * tangent).sum(axis=-2))
-
-
-def _vectors(x: Array, y: Array, z: Array) -> Array:
-    return np.stack([x, y, z], axis=-1)
+        rows = self.core.sections(np.ravel(stations), reference).reshape(*np.shape(stations), 6, 3)
+        position, *axes, rate, rate_slope = np.moveaxis(rows, -2, 0)
+        return SectionPoses(position, np.stack(axes, axis=-1), rate, rate_slope)
