@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from wheelrail.bindings._vehicle import Vehicle
 
+from wheelrail.bindings._vehicle import Vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.coordinates import Coordinates
@@ -94,13 +94,10 @@ class BodyEquations:
 
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
-        rates, coordinates, count = (
-            (travel.speed, travel.acceleration, jerk, 1.0),
-            self.coordinates,
-            self.coordinates.count,
-        )
+        coordinates, count = self.coordinates, self.coordinates.count
+        rates = travel.speed, travel.acceleration, jerk, 1.0
         found = self.core.derivatives(travel, rates, self._all(state), self._contact(wrenches))
-        by_state, by_time = found[0][np.ix_(self._rows, coordinates.within_all)], found[1][self._rows]
+        by_state, by_time = found[0][self._rows[:, None], coordinates.within_all], found[1][self._rows]
         if coordinates.maxwell:
             by_state[count:], by_time[count:] = (coordinates.from_series @ v[count:] for v in (by_state, by_time))
             by_state[:, 2 * count :] = by_state[:, 2 * count :] @ coordinates.series

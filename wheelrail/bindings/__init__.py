@@ -1,0 +1,38 @@
+"""Compiled core: modules of the build for this processor. Sources are in `bindings/`, and beside the Python they serve."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+HERE = Path(__file__).parent
+V3 = {"avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"}  # instructions of x86-64-v3, as Linux names them
+
+
+def build() -> Path:
+    """Folder of the modules: that of $WHEELRAIL_CORE, such as one with sanitizers, else the widest for this processor."""
+    try:
+        with open("/proc/cpuinfo", encoding="ascii") as file:
+            flags = file.read(8192).partition("\nflags")[2].partition("\n")[0]
+    except OSError:
+        flags = ""
+    widest = "x86-64-v3" if set(flags.split()) >= V3 else "baseline"
+    return Path(os.environ.get("WHEELRAIL_CORE", HERE / widest))
+
+
+def require_built(folder: Path) -> None:
+    """Raises ImportError where the modules are missing or older than their sources."""
+    sources = [
+        file
+        for pattern in ("../bindings/*.cpp", "*/core/*.hpp", "*/*/core/*.hpp")
+        for file in HERE.parent.glob(pattern)
+    ]
+    if not (modules := [file.stat().st_mtime for file in folder.glob("*.so")]):
+        raise ImportError(f"the compiled core is missing in {folder}: make core")
+    for file in sources:
+        if file.stat().st_mtime > min(modules):
+            raise ImportError(f"{file} is newer than the compiled core: make core")
+
+
+__path__.append(str(build()))
+require_built(build())
