@@ -1,4 +1,5 @@
 # make run: the paper's curve, end to end (SCENE= another one).  make test: ruff, mypy and pytest.  Both set everything up first.
+# make core: compiles what changed in C++.
 # make notebooks: the worked examples in JupyterLab (LAB= its options).
 # Tests run in JOBS=2 processes.  make docs: the documentation, as pages.  make test-debian RELEASE=trixie|sid: the tests on another Debian, as root.
 VENV ?= .venv
@@ -6,6 +7,7 @@ SCENE ?= scenes/curve.toml
 RELEASE ?= trixie
 JOBS ?= 2
 PY = $(VENV)/bin/python
+TOOLS = PATH=$(abspath $(VENV))/bin:$$PATH
 # One thread per process: the dense blocks are small, and threads that wait cost more than they bring.
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
@@ -13,13 +15,20 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
 DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
 
-.PHONY: run test lint suite notebooks docs test-debian test-kernels clean
+.PHONY: run core test lint suite notebooks docs test-debian test-kernels clean
 
-run: $(VENV)/ready
+run: core
 	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
 
-test: $(VENV)/ready-to-test
-	$(MAKE) -j4 strips-code lint standard-code vehicle-code
+# CMake's folder is beside its sources; the products are in wheelrail/bindings.
+core: bindings/build.ninja
+	$(TOOLS) cmake --build bindings
+
+bindings/build.ninja: | $(VENV)/ready
+	$(TOOLS) cmake -S bindings -B bindings -G Ninja -DPython_EXECUTABLE=$(abspath $(PY))
+
+test: $(VENV)/ready-to-test core
+	$(MAKE) -j4 strips-code lint standard-code table-code
 	$(MAKE) suite
 
 # Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.
@@ -43,7 +52,7 @@ notebooks: $(VENV)/ready-for-notebooks
 
 # The same on an old processor: OpenBLAS's first kernels, and loops without later instructions, compiled anew for minutes.
 test-kernels: $(VENV)/ready-to-test
-	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
+	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic WHEELRAIL_CORE=wheelrail/bindings/baseline $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
 
 docs: $(VENV)/ready-to-test
 	DOCS_NOTEBOOKS=cache $(PY) -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs

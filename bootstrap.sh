@@ -15,7 +15,7 @@ case $state in
 esac
 
 # OpenBLAS: with the reference BLAS sparse factorisations take 4 to 8 times longer.
-wanted="python3-dolfinx python3-dolfinx-real python3-venv python3-dev gcc libopenblas0-pthread openmpi-bin
+wanted="python3-dolfinx python3-dolfinx-real python3-venv python3-dev g++ libopenblas0-pthread openmpi-bin
         python3-scipy python3-h5py python3-netcdf4
         libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 $more"
 missing=""
@@ -43,7 +43,13 @@ for name in ("numpy", "scipy", "mpi4py", "petsc4py", "slepc4py", "cffi", "h5py",
     except PackageNotFoundError:
         pass
 PY
-"$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$venv/constraints.txt" -e ".[$extras]"
+install() { "$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$venv/constraints.txt" "$@"; }
+# What builds the compiled core stays, to build it again after an edit: `make core`.
+/usr/bin/python3 -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")' \
+  >"$venv/build.txt"
+install -r "$venv/build.txt"
+echo "compiling the core and installing what it is used with"
+PATH="$(cd "$venv" && pwd)/bin:$PATH" install --no-build-isolation -e ".[$extras]"
 "$venv/bin/python" -c "import dolfinx, numpy; print('dolfinx', dolfinx.__version__, '- numpy', numpy.__version__)"
 touch "$venv/ready" "$venv/$state"  # whatever is ready for more is ready
 [ "$state" != ready-to-test ] || touch "$venv/ready-for-notebooks"

@@ -1,6 +1,6 @@
 """Compiles machine code that many tests use, once, before several processes need it at the same time.
 
-python tests/helpers/machine_code.py strips|standard|vehicle
+python tests/helpers/machine_code.py strips|standard|table
 """
 
 from __future__ import annotations
@@ -8,15 +8,11 @@ from __future__ import annotations
 import sys
 
 import numpy as np
-from linear_creep import LinearCreep
 from small_strips import few_strips
 from standard_pair import MOUNTING, wheel_on_rail
 
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.table.force_table import ForceTable, FrictionTable, NormalTable, TreadFrame
-from wheelrail.scenes.builders.vehicle_file import load_vehicle
-from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.track.track import Track
 
 STATE = WheelsetState(y=2e-3, z=-1e-4, speed=20.0, pitch_rate=20.0 / 0.46)
 
@@ -33,20 +29,18 @@ def standard() -> None:
         wheel_on_rail(tangential=tangential)(STATE, "left")
 
 
-def vehicle() -> None:
-    """Equations of a vehicle, and the look-up of a table."""
-    dynamics = VehicleDynamics(load_vehicle(), Track(), LinearCreep(), 30.0)
-    dynamics.accelerations(0.0, np.zeros(dynamics.size), np.zeros((4, 6)))
+def table() -> None:
+    """Look-up of a table."""
     node, ends = np.zeros(1), np.array([0.0, 1.0])
     values = np.zeros(2 * 9)
     values[[0, 9]] = 1.0, -1.0  # heights m without load and at the larger level
     normal = NormalTable(node, node, node, ends, values)
     friction = FrictionTable(node, node, node, ends, node, node, np.zeros(2 * 6), 0.3)
-    table = ForceTable(TreadFrame(MOUNTING.radius, 0.0), normal, friction)
+    forces = ForceTable(TreadFrame(MOUNTING.radius, 0.0), normal, friction)
     pose, motion = MOUNTING.left_pair(STATE)
-    table.force(pose, motion)
-    table.derivative(pose, motion)
+    forces.force(pose, motion)
+    forces.derivative(pose, motion)
 
 
 if __name__ == "__main__":
-    {"strips": strips, "standard": standard, "vehicle": vehicle}[sys.argv[1]]()
+    {"strips": strips, "standard": standard, "table": table}[sys.argv[1]]()
