@@ -86,7 +86,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.vehicle.multibody.equations",
         "wheelrail.vehicle.multibody.plane_wagon",
         "wheelrail.vehicle.multibody.wheel_forces",
-        "wheelrail.vehicle.multibody.energy",
+        "wheelrail.vehicle.multibody.body_equations",
     ),
     "Vehicle: steady states": (
         "wheelrail.vehicle.steady.equilibrium",

@@ -9,12 +9,17 @@ from numpy_vehicle import BodyMotion, NumpySuspension, applied_state, hold_force
 
 from wheelrail.contact.kinematics.frames import cross
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.coordinates import ROLL, YAW
+from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 
 
 def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> Array:
-    """Accelerations of the coordinates, then the rates of the springs of Maxwell elements, (..., c + m).
+    """Accelerations of the free coordinates, then the rates of the springs of Maxwell elements, (..., c + m)."""
+    return with_reactions(dynamics, time, state, wrenches)[0]
+
+
+def with_reactions(dynamics: VehicleDynamics, time: float, state: Array, wrenches: Array) -> tuple[Array, Array]:
+    """The same and the forces and moments (..., n, 6) of the constraints of held coordinates, zero for free ones.
 
     Parameters:
         dynamics: equations of motion.
@@ -38,14 +43,43 @@ def accelerations(dynamics: VehicleDynamics, time: float, state: Array, wrenches
     force, moment = rotate_back(motion.sections.axes, force), rotate_back(motion.sections.axes, moment)
     force[..., wheelsets, :] += wrenches[..., :3]
     moment[..., wheelsets, :] += wrenches[..., 3:]
-    path, lateral, vertical = _translation(dynamics, motion, force)
-    rotation = _rotation(dynamics, motion, rate, moment, path)
-    wheelset_angle = travel.acceleration / dynamics.vehicle.radius * kinematics(dynamics).nominal[:, 2]
-    parts = [path - travel.acceleration, lateral, vertical]
-    parts += [rotation[..., 0], rotation[..., 1] - wheelset_angle, rotation[..., 2]]
-    coordinates = np.stack(parts, axis=-1)
+    held, nominal = dynamics.coordinates.held == 1, np.zeros((len(dynamics.mass), 6))
+    nominal[:, X] = travel.acceleration
+    nominal[:, PITCH] = travel.acceleration / dynamics.vehicle.radius * kinematics(dynamics).nominal[:, 2]
+    frame, (_, _, k, _) = motion.relative, motion.sections
+    along = np.broadcast_to(np.eye(3), (*force.shape, 3)).copy()
+    along[..., 0] += cross(k, frame.offset)
+    mass = dynamics.mass[:, None, None] * np.swapaxes(along, -1, -2) @ along
+    linear, forces = constrained(_translation(dynamics, motion, force), mass, held[:, :3], nominal[:, :3])
+    vertical = np.broadcast_to([0.0, 0.0, 1.0], force.shape)
+    turn = rotate_back(frame.rotation[..., None, :, :], np.stack([frame.roll_axis, frame.axle, vertical], axis=-2))
+    inertia = (dynamics.inertia[:, None] * turn) @ np.swapaxes(turn, -1, -2)
+    rotation = _rotation(dynamics, motion, rate, moment, linear[..., 0])
+    angular, moments = constrained(rotation, inertia, held[:, 3:], nominal[:, 3:])
+    coordinates = (np.concatenate([linear, angular], axis=-1) - nominal).reshape(*state.shape[:-1], -1)
     series_rate = suspension.series_rate @ dynamics.coordinates.from_series.T
-    return np.concatenate([coordinates.reshape(*state.shape[:-1], -1), series_rate], axis=-1)
+    rates = np.concatenate([coordinates[..., dynamics.coordinates.free], series_rate], axis=-1)
+    return rates, np.concatenate([forces, moments], axis=-1)
+
+
+def constrained(free: Array, mass: Array, held: Array, nominal: Array) -> tuple[Array, Array]:
+    """Accelerations (..., n, 3) next to free ones in which held coordinates have nominal ones, and what holds them.
+
+    Parameters:
+        free: (..., n, 3) of three coordinates of n bodies without constraints.
+        mass: (..., n, 3, 3) matrices of the coordinates, which measure the distance: Gauss' principle.
+        held: (n, 3) whether a coordinate is held.
+        nominal: (n, 3).
+    """
+    result, reactions = free.copy(), np.zeros_like(free)
+    for body in np.flatnonzero(held.any(axis=1)):
+        which, inverse = held[body], np.linalg.inv(mass[..., body, :, :])
+        misfit = (nominal[body] - free[..., body, :])[..., which]
+        force = np.linalg.solve(inverse[..., which, :][..., which], misfit[..., None])[..., 0]
+        reactions[..., body, which] = force
+        result[..., body, :] += rotate(inverse[..., which], force)
+        result[..., body, which] = nominal[body, which]
+    return result, reactions
 
 
 def part_of(part: Any, index: tuple[int, ...]) -> Any:
@@ -53,8 +87,8 @@ def part_of(part: Any, index: tuple[int, ...]) -> Any:
     return part[index] if isinstance(part, np.ndarray) else type(part)(*(part_of(inner, index) for inner in part))
 
 
-def _translation(dynamics: VehicleDynamics, motion: BodyMotion, force: Array) -> tuple[Array, Array, Array]:
-    """Accelerations (..., n) m/s2 along the path, in y and in z under forces (..., n, 3) N in the track frames."""
+def _translation(dynamics: VehicleDynamics, motion: BodyMotion, force: Array) -> Array:
+    """Accelerations (..., n, 3) m/s2 along the path, in y and in z under forces (..., n, 3) N in the track frames."""
     frame, (_, _, k, k_slope) = motion.relative, motion.sections
     rate, tangent = frame.frame_rate, np.array([1.0, 0.0, 0.0])
     speed = frame.speed[..., None]
@@ -62,7 +96,8 @@ def _translation(dynamics: VehicleDynamics, motion: BodyMotion, force: Array) ->
     inertial += 2.0 * cross(rate, frame.offset_rate) + speed * cross(rate, np.broadcast_to(tangent, rate.shape))
     acceleration, lever = force / dynamics.mass[:, None] - inertial, cross(k, frame.offset)
     path = acceleration[..., 0] / (1.0 + lever[..., 0])
-    return path, acceleration[..., 1] - path * lever[..., 1], acceleration[..., 2] - path * lever[..., 2]
+    lateral, vertical = (acceleration[..., i] - path * lever[..., i] for i in (1, 2))
+    return np.stack([path, lateral, vertical], axis=-1)
 
 
 def _rotation(dynamics: VehicleDynamics, motion: BodyMotion, rate: Array, moment: Array, path: Array) -> Array:

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tarfile
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path
@@ -25,8 +26,10 @@ from wheelrail.scenes.schema.toml import parse
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SCIENCE = ("contact", "forms", "meshes", "vehicle")
-SOURCES = ["pyproject.toml", "README.md", "LICENSE", "scenes", "wheelrail", *SCIENCE]
-CARRIED = {".py", ".pyi", ".toml", ".html", ".css", ".js", ".c", ".f90", ".in"}
+SOURCES = ["pyproject.toml", "README.md", "LICENSE", "bindings", "scenes", "wheelrail", *SCIENCE]
+CARRIED = {".py", ".pyi", ".so", ".toml", ".html", ".css", ".js", ".c", ".f90", ".in"}
+BUILT = ("*.so", "_[!_]*.pyi", "CMake[!L]*", "*.cmake", "*.ninja", "*.a", ".*")  # what compiling leaves
+pytest.importorskip("scikit_build_core")
 
 
 @pytest.fixture(scope="module")
@@ -35,15 +38,16 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     tree = tmp_path_factory.mktemp("tree")
     for name in SOURCES:
         if (ROOT / name).is_dir():
-            ignored = shutil.ignore_patterns("__pycache__")
+            ignored = shutil.ignore_patterns("__pycache__", *BUILT)
             shutil.copytree(ROOT / name, tree / name, ignore=ignored, symlinks=True)
         else:
             shutil.copy(ROOT / name, tree / name)
     return tree
 
 
-def _built(tree: Path, source: Path, folder: str) -> Path:
+def _built(tree: Path, source: Path, folder: str, *options: str) -> Path:
     command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", folder, source]
+    command += [f"--config-settings={option}" for option in options]
     subprocess.run(command, cwd=tree, check=True, timeout=120, capture_output=True)
     (built,) = (tree / folder).glob("*.whl")
     return built
@@ -51,7 +55,7 @@ def _built(tree: Path, source: Path, folder: str) -> Path:
 
 @pytest.fixture(scope="module")
 def wheel(tree: Path) -> Path:
-    return _built(tree, Path("."), "dist")
+    return _built(tree, Path("."), "dist", "cmake.define.CMAKE_CXX_FLAGS_RELEASE=-O0")
 
 
 def _contents(wheel: Path) -> set[str]:
@@ -71,10 +75,16 @@ def test_wheel_contains_all_code_and_data(wheel: Path) -> None:
 
 
 def test_source_distribution_builds_the_same_wheel(tree: Path, wheel: Path) -> None:
-    build = "from setuptools.build_meta import build_sdist; build_sdist('sdist')"
+    """But for the compiled core, whose sources it carries."""
+    build = "from scikit_build_core.build import build_sdist; build_sdist('sdist')"
     subprocess.run([sys.executable, "-c", build], cwd=tree, check=True, timeout=120, capture_output=True)
     (archive,) = (tree / "sdist").glob("*.tar.gz")
-    assert _contents(_built(tree, archive, "from-sdist")) == _contents(wheel)
+    core = {name for name in _contents(wheel) if name.endswith((".so", "_vehicle.pyi"))}
+    assert _contents(_built(tree, archive, "from-sdist", "wheel.cmake=false")) == _contents(wheel) - core
+    with tarfile.open(archive) as opened:
+        carried = {name.partition("/")[2] for name in opened.getnames()}
+    headers = {file.relative_to(ROOT).as_posix() for file in ROOT.glob("vehicle/*/core/*.hpp")}
+    assert carried >= headers | {"bindings/CMakeLists.txt", "bindings/vehicle.cpp", "wheelrail/support/core/dual.hpp"}
 
 
 def test_wheel_works_in_a_clean_environment(wheel: Path, tmp_path: Path) -> None:
