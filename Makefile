@@ -1,5 +1,5 @@
 # make run: the paper's curve, end to end (SCENE= another one).  make test: ruff, mypy and pytest.  Both set everything up first.
-# make core: compiles what changed in C++.
+# make core: compiles what changed in C++.  make sanitize: tests it with sanitizers.
 # make notebooks: the worked examples in JupyterLab (LAB= its options).
 # Tests run in JOBS=2 processes.  make docs: the documentation, as pages.  make test-debian RELEASE=trixie|sid: the tests on another Debian, as root.
 VENV ?= .venv
@@ -7,6 +7,7 @@ SCENE ?= scenes/curve.toml
 RELEASE ?= trixie
 JOBS ?= 2
 PY = $(VENV)/bin/python
+CORE = $(wildcard bindings/*.cpp wheelrail/support/core/*.hpp vehicle/*/core/*.hpp)
 TOOLS = PATH=$(abspath $(VENV))/bin:$$PATH
 # One thread per process: the dense blocks are small, and threads that wait cost more than they bring.
 export OMP_NUM_THREADS ?= 1
@@ -15,7 +16,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
 DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
 
-.PHONY: run core test lint suite notebooks docs test-debian test-kernels clean
+.PHONY: run core test lint sanitize suite notebooks docs test-debian test-kernels clean
 
 run: core
 	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
@@ -36,6 +37,13 @@ lint: $(VENV)/ready-to-test
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
+	$(TOOLS) clang-format --dry-run -Werror $(CORE)
+	$(TOOLS) clang-tidy --quiet bindings/*.cpp -- -std=c++20 -Iwheelrail $$($(PY) -c "import nanobind, sysconfig; \
+	    print('-isystem', nanobind.include_dir(), '-isystem', sysconfig.get_path('include'))")
+
+# Kernels with checked indices, addresses and arithmetic, in a build of their own.
+sanitize: $(VENV)/ready-to-test
+	$(PY) -m pytest tests/bindings/test_sanitized.py
 
 # Machine code is compiled while types are checked, else every process of the tests would compile it.
 %-code: $(VENV)/ready-to-test

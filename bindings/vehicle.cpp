@@ -11,14 +11,27 @@ namespace nb = nanobind;
 using namespace nb::literals;
 using namespace wr;
 
+// Vectors are three numbers in Python.
+template <>
+struct nb::detail::type_caster<Vec<double>> {
+    using Numbers = make_caster<std::array<double, 3>>;
+    NB_TYPE_CASTER(Vec<double>, Numbers::Name)
+
+    bool from_python(handle source, uint8_t flags, cleanup_list* cleanup) noexcept {
+        Numbers numbers;
+        if (!numbers.from_python(source, flags, cleanup)) return false;
+        const auto& [x, y, z] = numbers.value;
+        value = {x, y, z};
+        return true;
+    }
+};
+
 namespace {
 
 using Values = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Result = nb::ndarray<nb::numpy, double>;
-using Triple = std::array<double, 3>;
 using Journey = std::array<double, 4>;  // distance m, speed m/s, acceleration m/s2, time s
 
-Vec<double> vec(const Triple& a) { return {a[0], a[1], a[2]}; }
 Travel<double> travel_of(const Journey& j) { return {j[0], j[1], j[2], j[3]}; }
 
 void require(const Values& values, std::size_t size, const char* name) {
@@ -34,7 +47,8 @@ Result array(std::vector<double> values, std::initializer_list<std::size_t> shap
 }
 
 template <int N>
-using Results = std::conditional_t<N == 3, nb::typed<nb::tuple, Result, Result, Result>, nb::typed<nb::tuple, Result, Result>>;
+using Results =
+    std::conditional_t<N == 3, nb::typed<nb::tuple, Result, Result, Result>, nb::typed<nb::tuple, Result, Result>>;
 
 template <class... R>
 Results<sizeof...(R)> results(R... arrays) {
@@ -43,22 +57,34 @@ Results<sizeof...(R)> results(R... arrays) {
 
 void store(double*& to, const Vec<double>& a) { *to++ = a.x, *to++ = a.y, *to++ = a.z; }
 
-void check_ends(const Vehicle& v) {
-    auto body = [&](int i) { return i >= 0 && i < v.count(); };
-    auto law = [&](int i) { return i >= -1 && i < int(v.laws.size()); };
-    bool right = true;
+bool fits(const Track& t) {
+    bool right = !t.pieces.empty() && t.pieces.size() == t.starts.size() && t.nodes.size() == t.weights.size();
+    for (const auto& powers : t.pieces) right &= !powers.empty();
+    return right;
+}
+
+// Raises ValueError: no function of a vehicle reads beyond its arrays.
+void check_indices(const Vehicle& v) {
+    auto within = [](int i, std::size_t size) { return i >= 0 && i < int(size); };
+    auto body = [&](int i) { return within(i, v.bodies.size()); };
+    auto law = [&](int i) { return i == -1 || within(i, v.laws.size()); };
+    auto table = [](const Table& t) { return !t.places.empty() && t.places.size() == t.values.size(); };
+    bool right = !v.bodies.empty() && (v.kept == -1 || body(v.kept)) && v.maxwell >= 0;
     for (const auto& e : v.elements) {
         right &= body(e.upper) && body(e.lower);
         for (const auto& d : e.directions)
             right &= law(d.spring_law) && law(d.damper_law) && d.series >= -1 && d.series < v.maxwell;
     }
-    for (const auto& pair : v.pairs)
-        right &= pair[0] >= 0 && pair[0] < int(v.elements.size()) && pair[1] >= -1 && pair[1] < int(v.elements.size());
+    for (const auto& [first, second] : v.pairs)
+        right &= within(first, v.elements.size()) && (second == -1 || within(second, v.elements.size()));
     for (const auto& s : v.springs) right &= body(s.upper) && body(s.lower);
-    for (const auto& t : v.torques) right &= body(t.wheelset) && body(t.reaction) && !t.size.places.empty();
-    for (const auto& f : v.forces) right &= body(f.body);
+    for (const auto& t : v.torques) right &= body(t.wheelset) && body(t.reaction) && table(t.size);
+    for (const auto& f : v.forces) {
+        right &= body(f.body);
+        for (const auto& t : f.components) right &= table(t);
+    }
     for (const auto& l : v.laws) right &= l.values.size() > 1 && l.values.size() == l.forces.size();
-    right &= !v.track.pieces.empty() && v.track.pieces.size() == v.track.starts.size();
+    right &= fits(v.track);
     if (!right) throw nb::value_error("vehicle: an index or a length does not fit");
 }
 
@@ -93,10 +119,11 @@ Results<3> derivatives(const Vehicle& v, const Journey& travel, const Journey& r
     VehicleDerivatives d(v, travel_of(travel), travel_of(rates), state.data(), contacts.data());
     std::size_t rows = v.accelerated(), columns = v.states();
     return results(array(std::move(d.by_state), {rows, columns}), array(std::move(d.by_time), {rows}),
-                          array(std::move(d.by_wrench), {v.bodies.size(), 6, 6}));
+                   array(std::move(d.by_wrench), {v.bodies.size(), 6, 6}));
 }
 
-// Position, velocity, axes and angular velocity (n, 6, 3), and force and moment (n, 2, 3) of suspension, loads and hold.
+// Position, velocity, axes and angular velocity (n, 6, 3), and force and moment (n, 2, 3) of suspension, loads and
+// hold.
 Results<2> motions(const Vehicle& v, const Journey& travel, Values state, Values sections) {
     require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
     auto all = v.body_states(travel_of(travel), state.data(), sections.data());
@@ -113,7 +140,8 @@ Results<2> motions(const Vehicle& v, const Journey& travel, Values state, Values
     return results(array(std::move(rows), {all.size(), 6, 3}), array(std::move(loads), {all.size(), 2, 3}));
 }
 
-// Deflections m, their rates m/s, forces N and rates m/s of the springs of Maxwell elements (4, e, 3) in the elements' axes.
+// Deflections m, their rates m/s, forces N and rates m/s of the springs of Maxwell elements (4, e, 3) in the elements'
+// axes.
 Result element_states(const Vehicle& v, const Journey& travel, Values state, Values sections) {
     require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
     auto all = v.body_states(travel_of(travel), state.data(), sections.data());
@@ -147,93 +175,62 @@ Results<2> load_values(const Vehicle& v, const Journey& travel, Values state, Va
 }  // namespace
 
 NB_MODULE(_vehicle, m) {
-    nb::class_<Body>(m, "Body").def(
-        "__init__",
-        [](Body* self, double place, double height, double mass, Triple inertia, bool wheelset, std::array<bool, 6> held) {
-            new (self) Body{place, height, mass, vec(inertia), wheelset, held};
-        },
-        "place"_a, "height"_a, "mass"_a, "inertia"_a, "wheelset"_a, "held"_a);
-    nb::class_<Law>(m, "Law").def(
-        "__init__",
-        [](Law* self, bool odd, std::vector<double> values, std::vector<double> forces) {
-            new (self) Law{odd, std::move(values), std::move(forces)};
-        },
-        "odd"_a, "values"_a, "forces"_a);
+    using List = std::vector<double>;
+    using Vector = Vec<double>;
+    nb::class_<Body>(m, "Body").def(nb::init<double, double, double, Vector, bool, std::array<bool, 6>>(), "place"_a,
+                                    "height"_a, "mass"_a, "inertia"_a, "wheelset"_a, "held"_a);
+    nb::class_<Law>(m, "Law").def(nb::init<bool, List, List>(), "odd"_a, "values"_a, "forces"_a);
     nb::class_<Direction>(m, "Direction")
-        .def("__init__",
-             [](Direction* self, double spring, double damper, int spring_law, int damper_law, int series,
-                double series_stiffness) {
-                 new (self) Direction{spring, damper, spring_law, damper_law, series, series_stiffness};
-             },
-             "spring"_a, "damper"_a, "spring_law"_a, "damper_law"_a, "series"_a, "series_stiffness"_a);
+        .def(nb::init<double, double, int, int, int, double>(), "spring"_a, "damper"_a, "spring_law"_a, "damper_law"_a,
+             "series"_a, "series_stiffness"_a);
     nb::class_<Element>(m, "Element")
-        .def("__init__",
-             [](Element* self, int upper, int lower, Triple upper_arm, Triple lower_arm, double turn, double static_load,
-                std::array<Direction, 3> directions) {
-                 new (self) Element{upper, lower, vec(upper_arm), vec(lower_arm), turn, static_load, directions};
-             },
-             "upper"_a, "lower"_a, "upper_arm"_a, "lower_arm"_a, "turn"_a, "static_load"_a, "directions"_a);
+        .def(nb::init<int, int, Vector, Vector, double, double, std::array<Direction, 3>>(), "upper"_a, "lower"_a,
+             "upper_arm"_a, "lower_arm"_a, "turn"_a, "static_load"_a, "directions"_a);
     nb::class_<RotationalSpring>(m, "RotationalSpring")
-        .def("__init__",
-             [](RotationalSpring* self, int upper, int lower, Triple stiffness) {
-                 new (self) RotationalSpring{upper, lower, vec(stiffness)};
-             },
-             "upper"_a, "lower"_a, "stiffness"_a);
-    nb::class_<Table>(m, "Table").def(
-        "__init__",
-        [](Table* self, bool by_distance, std::vector<double> places, std::vector<double> values) {
-            new (self) Table{by_distance, std::move(places), std::move(values)};
-        },
-        "by_distance"_a, "places"_a, "values"_a);
+        .def(nb::init<int, int, Vector>(), "upper"_a, "lower"_a, "stiffness"_a);
+    nb::class_<Table>(m, "Table").def(nb::init<bool, List, List>(), "by_distance"_a, "places"_a, "values"_a);
     nb::class_<Torque>(m, "Torque")
-        .def("__init__",
-             [](Torque* self, int wheelset, int reaction, bool brake, Table size) {
-                 new (self) Torque{wheelset, reaction, brake, std::move(size)};
-             },
-             "wheelset"_a, "reaction"_a, "brake"_a, "size"_a);
-    nb::class_<Force>(m, "Force").def(
-        "__init__",
-        [](Force* self, int body, Triple arm, std::array<Table, 3> components) {
-            new (self) Force{body, vec(arm), std::move(components)};
-        },
-        "body"_a, "arm"_a, "components"_a);
+        .def(nb::init<int, int, bool, Table>(), "wheelset"_a, "reaction"_a, "brake"_a, "size"_a);
+    nb::class_<Force>(m, "Force").def(nb::init<int, Vector, std::array<Table, 3>>(), "body"_a, "arm"_a, "components"_a);
     nb::class_<Track>(m, "Track")
-        .def("__init__",
-             [](Track* self, std::vector<double> starts, std::vector<Track::Powers> pieces, double base,
-                std::vector<double> nodes, std::vector<double> weights) {
-                 new (self) Track{std::move(starts), std::move(pieces), base, std::move(nodes), std::move(weights)};
-             },
-             "starts"_a, "pieces"_a, "base"_a, "nodes"_a, "weights"_a)
-        .def("sections",
-             [](const Track& t, Values stations, double reference) {
-                 return section_rows(stations.size(), [&](std::size_t i) { return t.section(stations.data()[i], reference); });
-             },
-             "stations"_a, "reference"_a);
+        .def(nb::init<List, std::vector<Track::Powers>, double, List, List>(), "starts"_a, "pieces"_a, "base"_a,
+             "nodes"_a, "weights"_a)
+        .def(
+            "sections",
+            [](const Track& t, Values stations, double reference) {
+                if (!fits(t)) throw nb::value_error("track: a length does not fit");
+                return section_rows(stations.size(),
+                                    [&](std::size_t i) { return t.section(stations.data()[i], reference); });
+            },
+            "stations"_a, "reference"_a);
     nb::class_<Vehicle>(m, "Vehicle")
-        .def("__init__",
-             [](Vehicle* self, Track track, std::vector<Body> bodies, std::vector<Law> laws, std::vector<Element> elements,
-                std::vector<std::array<int, 2>> pairs, std::vector<RotationalSpring> springs, std::vector<Torque> torques,
-                std::vector<Force> forces, double radius, double gravity, double release, int kept,
-                std::array<double, 2> hold, int maxwell) {
-                 Vehicle v{track,  bodies,  laws,    elements, pairs, springs, torques, forces,
-                           radius, gravity, release, kept,     hold[0], hold[1], maxwell};
-                 check_ends(v);
-                 new (self) Vehicle(std::move(v));
-             },
-             "track"_a, "bodies"_a, "laws"_a, "elements"_a, "pairs"_a, "springs"_a, "torques"_a, "forces"_a, "radius"_a,
-             "gravity"_a, "release"_a, "kept"_a, "hold"_a, "maxwell"_a)
+        .def(
+            "__init__",
+            [](Vehicle* self, Track track, std::vector<Body> bodies, std::vector<Law> laws,
+               std::vector<Element> elements, std::vector<std::array<int, 2>> pairs,
+               std::vector<RotationalSpring> springs, std::vector<Torque> torques, std::vector<Force> forces,
+               double radius, double gravity, double release, int kept, std::array<double, 2> hold, int maxwell) {
+                Vehicle v{track,  bodies,  laws,    elements, pairs,   springs, torques, forces,
+                          radius, gravity, release, kept,     hold[0], hold[1], maxwell};
+                check_indices(v);
+                new (self) Vehicle(std::move(v));
+            },
+            "track"_a, "bodies"_a, "laws"_a, "elements"_a, "pairs"_a, "springs"_a, "torques"_a, "forces"_a, "radius"_a,
+            "gravity"_a, "release"_a, "kept"_a, "hold"_a, "maxwell"_a)
         .def("sections", &sections, "distance"_a, "state"_a)
         .def("accelerations", &accelerations, "travel"_a, "state"_a, "sections"_a, "contacts"_a)
         .def("derivatives", &derivatives, "travel"_a, "rates"_a, "state"_a, "contacts"_a)
         .def("motions", &motions, "travel"_a, "state"_a, "sections"_a)
         .def("element_states", &element_states, "travel"_a, "state"_a, "sections"_a)
         .def("load_values", &load_values, "travel"_a, "state"_a, "sections"_a)
-        .def("energy_rates",
-             [](const Vehicle& v, const Journey& travel, Values state, Values sections, Values contacts) {
-                 require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
-                 require(contacts, 6 * v.bodies.size(), "contacts");
-                 auto e = energy_rates(v, travel_of(travel), state.data(), sections.data(), contacts.data());
-                 return std::array<double, 7>{e.kinetic, e.elastic, e.contacts, e.dampers, e.weight, e.inertial, e.applied};
-             },
-             "travel"_a, "state"_a, "sections"_a, "contacts"_a);
+        .def(
+            "energy_rates",
+            [](const Vehicle& v, const Journey& travel, Values state, Values sections, Values contacts) {
+                require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
+                require(contacts, 6 * v.bodies.size(), "contacts");
+                auto e = energy_rates(v, travel_of(travel), state.data(), sections.data(), contacts.data());
+                return std::array<double, 7>{e.kinetic, e.elastic,  e.contacts, e.dampers,
+                                             e.weight,  e.inertial, e.applied};
+            },
+            "travel"_a, "state"_a, "sections"_a, "contacts"_a);
 }

@@ -1,7 +1,7 @@
 """Random states of vehicles and of the plane wagon: the compiled core against the equations in NumPy.
 
 python tests/helpers/random_states.py [NUMBER OF EACH KIND]
-python tests/helpers/random_states.py digest
+python tests/helpers/random_states.py digest|everything
 """
 
 from __future__ import annotations
@@ -169,9 +169,33 @@ def digest(number: int) -> str:
     return found.hexdigest()
 
 
+def evaluate_everything(factor: float) -> int:
+    """Number of evaluations by all functions of the core at random states times a factor, which may be wild."""
+    count = 0
+    for kind in KINDS:
+        for dynamics, time, states, wrenches in samples(kind, 8):
+            travel, bodies, state, wrench = (
+                dynamics.speed_profile(time),
+                dynamics.bodies,
+                factor * states[0],
+                wrenches[0],
+            )
+            bodies.accelerations(travel, state, wrench, bodies.sections(travel, state))
+            bodies.derivatives(travel, 0.0, state, wrench)
+            bodies.element_states([travel], state[None])
+            bodies.motions(travel, state)
+            bodies.load_values(travel, state)
+            bodies.energy_rates(travel, state, wrench)
+            bodies.track.at(state[:3], travel.distance)
+            count += 1
+    return count
+
+
 if __name__ == "__main__":
     if sys.argv[1:2] == ["digest"]:
         print(digest(40))
+    elif sys.argv[1:2] == ["everything"]:
+        print(sum(evaluate_everything(factor) for factor in (1.0, 1e3, 1e300, np.inf, np.nan)))
     else:
         print("| vehicle | accelerations | reactions | beyond rounding |\n|---|---|---|---|")
         for kind in KINDS:

@@ -73,7 +73,7 @@ def export_runtime(folder: Path, scene_folder: Path) -> None:
     for old in (package, folder / "cache", folder / "machine-code"):
         if old.exists():
             shutil.rmtree(old)
-    shutil.copytree(Path(wheelrail.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(Path(wheelrail.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__", "*.hpp"))
     requirements = "".join(f"{name}=={version(name)}\n" for name in PACKAGES)
     (folder / "requirements.txt").write_text(requirements, encoding="utf-8")
     copied = folder / "machine-code" / machine_code.FOLDER

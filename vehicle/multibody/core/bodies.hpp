@@ -29,13 +29,13 @@ struct Motion {
 // Motion of a body in its track frame.
 template <class T>
 struct Frame {
-    T speed;                      // m/s of the frame along the track
-    Vec<T> offset, offset_rate;   // centre of mass from the centre line, m, and its rate in the frame, m/s
-    Vec<T> rate;                  // rad/s, of the frame
-    Vec<T> yaw_rate, roll_rate;   // rad/s
-    Vec<T> roll_axis, axle;       // axes of roll and spin
-    T spin;                       // rad/s about the axle
-    Matrix<T> rotation;           // axes of the body; those of wheelsets do not spin
+    T speed;                     // m/s of the frame along the track
+    Vec<T> offset, offset_rate;  // centre of mass from the centre line, m, and its rate in the frame, m/s
+    Vec<T> rate;                 // rad/s, of the frame
+    Vec<T> yaw_rate, roll_rate;  // rad/s
+    Vec<T> roll_axis, axle;      // axes of roll and spin
+    T spin;                      // rad/s about the axle
+    Matrix<T> rotation;          // axes of the body; those of wheelsets do not spin
 };
 
 // A body with its coordinates q and their rates at a section of the track.
@@ -93,11 +93,11 @@ Vec<T> convective_turn(const BodyState<T>& at, const T& path) {
            (cross(before_roll, f.roll_rate) + cross(before_spin, f.spin * f.axle));
 }
 
-// Solution x of d_k . (sum_j m_j x_j - right) = 0 for free coordinates k, x_k nominal for held ones. Results are what the
-// coordinates do beside the nominal motion: second derivatives; of held ones what holds them.
+// Solution x of d_k . (sum_j m_j x_j - right) = 0 for free coordinates k, x_k nominal for held ones. Results are what
+// the coordinates do beside the nominal motion: second derivatives; of held ones what holds them.
 template <class T>
-Vec<T> constrained(const Matrix<T>& d, const Matrix<T>& m, const Vec<T>& right, const bool* held,
-                   const Vec<T>& nominal, T* results) {
+Vec<T> constrained(const Matrix<T>& d, const Matrix<T>& m, const Vec<T>& right, const bool* held, const Vec<T>& nominal,
+                   T* results) {
     Vec<T> a = held[0] ? Vec<T>{1.0, 0.0, 0.0} : back(m, d.x), b = held[1] ? Vec<T>{0.0, 1.0, 0.0} : back(m, d.y),
            c = held[2] ? Vec<T>{0.0, 0.0, 1.0} : back(m, d.z);
     auto normal = cross(b, c);

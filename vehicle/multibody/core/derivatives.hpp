@@ -1,5 +1,5 @@
-// Exact derivatives of the accelerations of a vehicle. A body's equations depend on its own coordinates and on forces and
-// moments, which depend on the motions of two bodies: the derivatives by all are products of small matrices.
+// Exact derivatives of the accelerations of a vehicle. A body's equations depend on its own coordinates and on forces
+// and moments, which depend on the motions of two bodies: the derivatives by all are products of small matrices.
 #pragma once
 #include "vehicle/multibody/core/vehicle.hpp"
 
@@ -69,8 +69,8 @@ class WrenchSlopes {
     std::vector<double> series;
 };
 
-// Derivatives of the accelerations (6 n + m,) by states (12 n + m,), by time along the reference motion, and of those of
-// each body by force and moment of its contacts.
+// Derivatives of the accelerations (6 n + m,) by states (12 n + m,), by time along the reference motion, and of those
+// of each body by force and moment of its contacts.
 struct VehicleDerivatives {
     static constexpr int OWN = Vehicle::OWN, TIME = Vehicle::TIME, PAIR = Vehicle::PAIR;
     using One = Dual<OWN>;
@@ -90,6 +90,7 @@ struct VehicleDerivatives {
           by_time(vehicle.accelerated()),
           by_wrench(std::size_t(36) * n) {
         std::vector<BodyState<One>> all;
+        all.reserve(n);
         for (int i = 0; i < n; ++i) all.push_back(vehicle.body_state<One>(i, travel, rates, state));
         WrenchSlopes total(n, vehicle.maxwell);
         vehicle.suspension<Two>(
@@ -134,7 +135,8 @@ struct VehicleDerivatives {
             wheelset.travel = {w(own.travel.distance), w(own.travel.speed), Two(0.0), w(own.travel.time)};
             wheelset.motion = widened<M>(own.motion, 0);
             auto other = widened<M>(all[torque.reaction].motion, OWN);
-            auto moment = axle_torque(torque, wheelset, other, vehicle.radius, vehicle.release) * wheelset.motion.axes.y;
+            auto moment =
+                axle_torque(torque, wheelset, other, vehicle.radius, vehicle.release) * wheelset.motion.axes.y;
             total.add(torque.wheelset, {torque.wheelset, torque.reaction}, 1.0, Vec<Two>{}, moment);
             total.add(torque.reaction, {torque.wheelset, torque.reaction}, -1.0, Vec<Two>{}, moment);
         }
@@ -151,8 +153,8 @@ struct VehicleDerivatives {
         const auto& [f, m] = total.values[i];
         Wrench<Loaded> own{{load(f.x, 0), load(f.y, 1), load(f.z, 2)}, {load(m.x, 3), load(m.y, 4), load(m.z, 5)}};
         Loaded results[6];
-        vehicle.accelerate_body(
-            i, at, own, {{contact[0], contact[1], contact[2]}, {contact[3], contact[4], contact[5]}}, results);
+        vehicle.accelerate_body(i, at, own,
+                                {{contact[0], contact[1], contact[2]}, {contact[3], contact[4], contact[5]}}, results);
         const auto& axes = at.section.axes;
         const Vec<Loaded>* columns[] = {&axes.x, &axes.y, &axes.z};
         for (int r = 0; r < 6; ++r) {

@@ -6,8 +6,8 @@
 
 namespace wr {
 
-// Kinetic energy J of the motion in the frames, and that of springs and static loads, zero in the nominal position; powers W
-// of contacts, dampers, weight, the accelerations of the frames, and applied loads.
+// Kinetic energy J of the motion in the frames, and that of springs and static loads, zero in the nominal position;
+// powers W of contacts, dampers, weight, the accelerations of the frames, and applied loads.
 struct EnergyRates {
     double kinetic = 0.0, elastic = 0.0, contacts = 0.0, dampers = 0.0, weight = 0.0, inertial = 0.0, applied = 0.0;
 };

@@ -29,7 +29,8 @@ struct Law {
         auto area = [&](double end) { return 0.5 * ((*this)(from) + (*this)(end)) * (end - from); };
         for (std::size_t i = 1; i + 1 < values.size(); ++i) {
             double kink = at > 0.0 ? values[i] : values[values.size() - 1 - i];
-            if ((at > 0.0) == (kink > from) && kink != from && std::abs(kink) < std::abs(at)) sum += area(kink), from = kink;
+            if ((at > 0.0) == (kink > from) && kink != from && std::abs(kink) < std::abs(at))
+                sum += area(kink), from = kink;
         }
         return sum + area(at);
     }
@@ -37,17 +38,17 @@ struct Law {
 
 // Spring and damper along an axis of an element; in series with a spring the damper is a Maxwell element.
 struct Direction {
-    double spring, damper;        // N/m and N s/m; 0 where there is a law
-    int spring_law, damper_law;   // -1: none; of a Maxwell element the law of velocity over force
-    int series;                   // number of the Maxwell element; -1: none
-    double series_stiffness;      // N/m
+    double spring, damper;       // N/m and N s/m; 0 where there is a law
+    int spring_law, damper_law;  // -1: none; of a Maxwell element the law of velocity over force
+    int series;                  // number of the Maxwell element; -1: none
+    double series_stiffness;     // N/m
 };
 
 struct Element {
-    int upper, lower;                      // bodies
-    Vec<double> upper_arm, lower_arm;      // m, of the points from the bodies' centres, in their axes
-    double turn;                           // part of the rotation from the lower to the upper body that the axes make
-    double static_load;                    // N
+    int upper, lower;                  // bodies
+    Vec<double> upper_arm, lower_arm;  // m, of the points from the bodies' centres, in their axes
+    double turn;                       // part of the rotation from the lower to the upper body that the axes make
+    double static_load;                // N
     std::array<Direction, 3> directions;
 };
 
@@ -56,8 +57,9 @@ struct RotationalSpring {
     Vec<double> stiffness;  // N m/rad
 };
 
-// An element in motion: deflection m, its rate m/s and the force N on the upper body in its own axes, with the rates m/s of
-// its Maxwell elements' springs; force N on the upper body and moments N m about both bodies' centres in common axes.
+// An element in motion: deflection m, its rate m/s and the force N on the upper body in its own axes, with the rates
+// m/s of its Maxwell elements' springs; force N on the upper body and moments N m about both bodies' centres in common
+// axes.
 template <class T>
 struct ElementState {
     Vec<T> deflection, deflection_rate, own_force, series_rate, force, on_upper, on_lower;
@@ -81,9 +83,10 @@ ElementState<T> element_state(const Element& e, const std::vector<Law>& laws, co
     auto on_upper = upper.axes * e.upper_arm, on_lower = lower.axes * e.lower_arm;
     auto place = lower.position + on_lower, gap = upper.position + on_upper - place;
     auto gap_rate = upper.velocity + cross(upper.rate, on_upper) - (lower.velocity + cross(lower.rate, on_lower));
-    auto axes = e.turn == 0.0   ? lower.axes
-                : e.turn == 1.0 ? upper.axes
-                                : lower.axes * rotation_matrix(e.turn * rotation_vector(relative(lower.axes, upper.axes)));
+    auto axes = e.turn == 0.0 ? lower.axes
+                : e.turn == 1.0
+                    ? upper.axes
+                    : lower.axes * rotation_matrix(e.turn * rotation_vector(relative(lower.axes, upper.axes)));
     auto axes_rate = (1.0 - e.turn) * lower.rate + e.turn * upper.rate;
     auto x = back(axes, gap), rate = back(axes, gap_rate - cross(axes_rate, gap));
     ElementState<T> s{x, rate, {}, {}, {}, {}, {}};

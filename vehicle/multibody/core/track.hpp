@@ -24,8 +24,8 @@ struct Track {
 
     std::vector<double> starts;  // m, of the pieces; the first and the last one are unbounded
     std::vector<Powers> pieces;
-    double base;                        // m, on which the superelevation is measured
-    std::vector<double> nodes, weights; // of Gauss' quadrature from -1 to 1
+    double base;                         // m, on which the superelevation is measured
+    std::vector<double> nodes, weights;  // of Gauss' quadrature from -1 to 1
 
     std::size_t piece_at(double s) const {
         std::size_t piece = 0;

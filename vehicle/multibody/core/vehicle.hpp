@@ -1,4 +1,5 @@
-// Accelerations of all bodies of a vehicle, and their exact derivatives: the same functions with T = double and T = Dual.
+// Accelerations of all bodies of a vehicle, and their exact derivatives: the same functions with T = double and T =
+// Dual.
 #pragma once
 #include "vehicle/multibody/core/loads.hpp"
 #include "vehicle/multibody/core/suspension.hpp"
@@ -34,8 +35,8 @@ struct Vehicle {
     int accelerated() const { return 6 * count() + maxwell; }
     int states() const { return 12 * count() + maxwell; }
 
-    // Distance m of the common axes: that of the reference motion, from which a vehicle that runs free drifts far away, to
-    // the nearest 100 m.
+    // Distance m of the common axes: that of the reference motion, from which a vehicle that runs free drifts far away,
+    // to the nearest 100 m.
     static double near(double distance, const double* state) {
         return distance + 100.0 * std::floor(0.01 * state[0] + 0.5);
     }
@@ -54,7 +55,8 @@ struct Vehicle {
 
     // The same with derivatives; rates: derivative of the reference motion by time.
     template <class T>
-    BodyState<T> body_state(int i, const Travel<double>& travel, const Travel<double>& rates, const double* state) const {
+    BodyState<T> body_state(int i, const Travel<double>& travel, const Travel<double>& rates,
+                            const double* state) const {
         BodyState<T> at;
         for (int k = 0; k < 6; ++k) {
             at.q[k] = variable<T>(state[6 * i + k], k);
@@ -67,8 +69,10 @@ struct Vehicle {
         auto at_s = [&s](const Vec<Dual<1>>& a) {
             return Vec<T>{s.chain(a.x.v, a.x.d[0]), s.chain(a.y.v, a.y.d[0]), s.chain(a.z.v, a.z.d[0])};
         };
-        at.section = {at_s(along.position), {at_s(along.axes.x), at_s(along.axes.y), at_s(along.axes.z)},
-                      at_s(along.rate), at_s(along.rate_slope)};
+        at.section = {at_s(along.position),
+                      {at_s(along.axes.x), at_s(along.axes.y), at_s(along.axes.z)},
+                      at_s(along.rate),
+                      at_s(along.rate_slope)};
         at.complete(bodies[i], radius);
         return at;
     }
@@ -83,9 +87,9 @@ struct Vehicle {
         return {one(0), one(1), one(2)};
     }
 
-    // Calls `act(upper, lower, force, on_upper, on_lower)` for forces and moments between two bodies in common axes, and
-    // `each(e, state)` for every element. Those of mirror images are added first: the sums of the mirrored motion are the
-    // mirrored sums, bit for bit.
+    // Calls `act(upper, lower, force, on_upper, on_lower)` for forces and moments between two bodies in common axes,
+    // and `each(e, state)` for every element. Those of mirror images are added first: the sums of the mirrored motion
+    // are the mirrored sums, bit for bit.
     template <class T, class MotionOf, class Act, class Each>
     void suspension(const double* state, const MotionOf& motion, const Act& act, const Each& each) const {
         for (const auto& pair : pairs) {
@@ -94,7 +98,8 @@ struct Vehicle {
             Vec<T> force, on_upper, on_lower;
             for (int e : pair) {
                 if (e < 0) continue;
-                auto s = element_state(elements[e], laws, upper, lower, bodies[l].wheelset, series_of<T>(elements[e], state));
+                auto s = element_state(elements[e], laws, upper, lower, bodies[l].wheelset,
+                                       series_of<T>(elements[e], state));
                 force = force + s.force, on_upper = on_upper + s.on_upper, on_lower = on_lower + s.on_lower;
                 each(elements[e], s);
             }
@@ -127,6 +132,7 @@ struct Vehicle {
     std::vector<BodyState<double>> body_states(const Travel<double>& travel, const double* state,
                                                const double* sections) const {
         std::vector<BodyState<double>> all;
+        all.reserve(bodies.size());
         for (int i = 0; i < count(); ++i) {
             const double* r = sections + 18 * i;
             auto row = [r](int k) { return Vec<double>{r[3 * k], r[3 * k + 1], r[3 * k + 2]}; };
@@ -135,8 +141,8 @@ struct Vehicle {
         return all;
     }
 
-    // Forces and moments of torques and forces on the bodies, in common axes. Those of a body are added first: a pair at
-    // both sides then has the mirrored sum in the mirrored motion, bit for bit.
+    // Forces and moments of torques and forces on the bodies, in common axes. Those of a body are added first: a pair
+    // at both sides then has the mirrored sum in the mirrored motion, bit for bit.
     std::vector<Wrench<double>> loads(const std::vector<BodyState<double>>& all) const {
         std::vector<Wrench<double>> own(all.size());
         for (const auto& torque : torques) {
@@ -153,8 +159,8 @@ struct Vehicle {
         return own;
     }
 
-    // Forces and moments of suspension and loads on the bodies, in common axes; fills rates (m,) m/s of the springs of Maxwell
-    // elements.
+    // Forces and moments of suspension and loads on the bodies, in common axes; fills rates (m,) m/s of the springs of
+    // Maxwell elements.
     std::vector<Wrench<double>> wrenches(const std::vector<BodyState<double>>& all, const double* state,
                                          double* series_rates) const {
         std::vector<Wrench<double>> total(all.size());
@@ -169,11 +175,11 @@ struct Vehicle {
         return total;
     }
 
-    // Accelerations (6 n,) of the coordinates less nominal ones, then the rates (m,) m/s of the springs of Maxwell elements.
-    // In place of those of held coordinates, which are zero, stand the generalised forces of their constraints.
-    // Parameters: state (12 n + m,), sections (n, 6, 3), contacts (n, 2, 3) in the bodies' track frames.
-    void accelerations(const Travel<double>& travel, const double* state, const double* sections, const double* contacts,
-                       double* results) const {
+    // Accelerations (6 n,) of the coordinates less nominal ones, then the rates (m,) m/s of the springs of Maxwell
+    // elements. In place of those of held coordinates, which are zero, stand the generalised forces of their
+    // constraints. Parameters: state (12 n + m,), sections (n, 6, 3), contacts (n, 2, 3) in the bodies' track frames.
+    void accelerations(const Travel<double>& travel, const double* state, const double* sections,
+                       const double* contacts, double* results) const {
         auto all = body_states(travel, state, sections);
         auto total = wrenches(all, state, results + 6 * count());
         for (int i = 0; i < count(); ++i) {
