@@ -1,4 +1,4 @@
-"""Compiled core: modules of the build for this processor. Sources are in `bindings/`, and beside the Python they serve."""
+"""Compiled core: modules of the build for this processor; sources are in `bindings/` and in the folders `core/`."""
 
 from __future__ import annotations
 
@@ -10,28 +10,23 @@ V3 = {"avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe"}  # instructions of 
 
 
 def build() -> Path:
-    """Folder of the modules: that of $WHEELRAIL_CORE, such as one with sanitizers, else the widest for this processor."""
+    """Folder of the modules: $WHEELRAIL_CORE, for example one with sanitizers, else the one for this processor."""
     try:
-        with open("/proc/cpuinfo", encoding="ascii") as file:
+        with open("/proc/cpuinfo", encoding="ascii", errors="replace") as file:
             flags = file.read(8192).partition("\nflags")[2].partition("\n")[0]
-    except OSError:
+    except OSError:  # not Linux
         flags = ""
-    widest = "x86-64-v3" if set(flags.split()) >= V3 else "baseline"
-    return Path(os.environ.get("WHEELRAIL_CORE", HERE / widest))
+    return Path(os.environ.get("WHEELRAIL_CORE", HERE / ("x86-64-v3" if set(flags.split()) >= V3 else "baseline")))
 
 
 def require_built(folder: Path) -> None:
-    """Raises ImportError where the modules are missing or older than their sources."""
-    sources = [
-        file
-        for pattern in ("../bindings/*.cpp", "*/core/*.hpp", "*/*/core/*.hpp")
-        for file in HERE.parent.glob(pattern)
-    ]
+    """Raises ImportError where the modules are missing or older than their sources, which installed packages lack."""
     if not (modules := [file.stat().st_mtime for file in folder.glob("*.so")]):
         raise ImportError(f"the compiled core is missing in {folder}: make core")
-    for file in sources:
-        if file.stat().st_mtime > min(modules):
-            raise ImportError(f"{file} is newer than the compiled core: make core")
+    for pattern in ("../bindings/*.cpp", "*/core/*.hpp", "*/*/core/*.hpp"):
+        for file in HERE.parent.glob(pattern):
+            if file.stat().st_mtime > min(modules):
+                raise ImportError(f"{file} is newer than the compiled core: make core")
 
 
 __path__.append(str(build()))
