@@ -28,12 +28,14 @@ core: bindings/build.ninja
 bindings/build.ninja: | $(VENV)/ready
 	$(TOOLS) cmake -S bindings -B bindings -G Ninja -DPython_EXECUTABLE=$(abspath $(PY))
 
-test: $(VENV)/ready-to-test core
+test: $(VENV)/ready-to-test
+	$(MAKE) core
 	$(MAKE) -j4 strips-code lint standard-code table-code
 	$(MAKE) suite
 
 # Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.
 lint: $(VENV)/ready-to-test
+	@$(MAKE) core
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
 	$(PY) -m mypy
@@ -43,6 +45,7 @@ lint: $(VENV)/ready-to-test
 
 # Kernels with checked indices, addresses and arithmetic, in a build of their own.
 sanitize: $(VENV)/ready-to-test
+	@$(MAKE) core
 	$(PY) -m pytest tests/bindings/test_sanitized.py
 
 # Machine code is compiled while types are checked, else every process of the tests would compile it.
@@ -50,19 +53,23 @@ sanitize: $(VENV)/ready-to-test
 	PYTHONPATH=. $(PY) tests/helpers/machine_code.py $*
 
 suite: $(VENV)/ready-to-test
+	@$(MAKE) core
 	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN)
 	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN:%=--ignore=%)
 
 # Pairs of files: what is saved in JupyterLab goes to the text files, too.
 notebooks: $(VENV)/ready-for-notebooks
+	@$(MAKE) core
 	$(PY) -m jupytext --quiet --update --to ipynb notebooks/*.py
 	$(PY) -m jupyterlab --notebook-dir=notebooks $(if $(filter 0,$(shell id -u)),--allow-root) $(LAB)
 
 # The same on an old processor: OpenBLAS's first kernels, and loops without later instructions, compiled anew for minutes.
 test-kernels: $(VENV)/ready-to-test
+	@$(MAKE) core
 	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic WHEELRAIL_CORE=wheelrail/bindings/baseline $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
 
 docs: $(VENV)/ready-to-test
+	@$(MAKE) core
 	DOCS_NOTEBOOKS=cache $(PY) -m sphinx -W --keep-going -q -b html -d build/doctrees docs build/docs
 	@echo build/docs/index.html
 

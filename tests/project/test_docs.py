@@ -272,7 +272,7 @@ def code_names() -> Iterator[tuple[str, str]]:
     packages = "wheelrail|benchmarks|meshes|forms|contact|vehicle|scenes"
     for source in sorted(DOCS.rglob("*.md")):
         for name in re.findall(rf"`((?:{packages})(?:\.\w+)+)`", source.read_text(encoding="utf-8")):
-            if not name.endswith((".toml", ".nc", ".py", ".h", ".f90")):
+            if not name.endswith((".toml", ".nc", ".py", ".h", ".hpp", ".f90")):
                 yield source.name, name
 
 

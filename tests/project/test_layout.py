@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import os
+import re
 from collections.abc import Iterator, Mapping
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -249,6 +250,25 @@ def test_heavy_libraries_are_imported_by_few_modules(path: Path) -> None:
 @pytest.mark.parametrize("name", LOADED_BY_EVERY_SOLVE)
 def test_a_solve_from_the_cache_loads_no_heavy_library(name: str) -> None:
     assert not roots(ROOT / name, nested=False) & HEAVY
+
+
+CORE = sorted(file for top in (*SCIENCE, "wheelrail/support") for file in (ROOT / top).glob("**/core/*.hpp"))
+
+
+@pytest.mark.parametrize("path", CORE, ids=lambda path: str(path.relative_to(ROOT)))
+def test_headers_of_the_core_know_no_python(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert not re.search(r"nanobind|Python\.h|PyObject", text)
+    assert len(text.splitlines()) <= 300
+    assert "\n#pragma once\n" in text
+    assert text.startswith("// ")
+
+
+def test_bindings_are_short() -> None:
+    assert len(CORE) > 8
+    sources = list((ROOT / "bindings").glob("*.cpp"))
+    assert sources
+    assert all(len(source.read_text(encoding="utf-8").splitlines()) <= 300 for source in sources)
 
 
 def test_version_differences_are_in_one_file() -> None:

@@ -101,7 +101,7 @@ def test_commands_and_folders_exist() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert all(re.search(rf"^{target}:", makefile, flags=re.MULTILINE) for target in targets)
     folders = re.findall(r"^\| `(\w+)/` \|", CONTRIBUTING, flags=re.MULTILINE)
-    assert len(folders) == 10
+    assert len(folders) == 11
     assert all((ROOT / folder).is_dir() for folder in folders)
 
 
