@@ -1,57 +1,33 @@
-"""Compiled equations of motion of a vehicle: those in NumPy, and exact derivatives."""
+"""Compiled equations of motion of a vehicle: elements, exact derivatives, constraints and mirror images.
+
+Accelerations: tests/bindings.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from math import inf
 
 import numpy as np
 import pytest
 from linear_creep import LinearCreep
 from newton_euler import accelerations
 from numpy_vehicle import NumpySuspension, kinematics
+from random_states import dynamics_of
 
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.vehicle import SuspensionElement, Vehicle
+from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
-from wheelrail.vehicle.wagon.force_law import ForceLaw
-
-DAMPER = ForceLaw(((0.0, 0.0), (0.05, 1500.0), (0.3, 4000.0)))  # odd
-BUMPSTOP = ForceLaw(((-0.02, -500.0), (0.0, 0.0), (0.004, 0.0), (0.01, 3000.0)))
 
 
 @cache
 def manchester() -> Vehicle:
     return load_vehicle()
-
-
-def modified(element: SuspensionElement, kind: str) -> SuspensionElement:
-    if kind == "turned in part":
-        return replace(element, turn=0.3)
-    if kind == "Maxwell elements":
-        series = tuple(6e6 if not isinstance(c, ForceLaw) and c > 0.0 else inf for c in element.damping)
-        return replace(element, series_stiffness=series)
-    if kind == "laws":
-        return replace(
-            element, stiffness=(1e6, BUMPSTOP, element.stiffness[2]), damping=(DAMPER, 1e3, DAMPER),
-            series_stiffness=(inf, inf, 5e6),
-        )  # fmt: skip
-    return element
-
-
-def dynamics_of(kind: str) -> VehicleDynamics:
-    """Through transitions of curvature, cant and gradient while the speed changes."""
-    vehicle = manchester()
-    vehicle = replace(vehicle, elements={name: modified(e, kind) for name, e in vehicle.elements.items()})
-    segments = [Segment("transition", 60.0), Segment("arc", 200.0, 1 / 300, 0.1, gradient=0.01, vertical_radius=2000.0)]
-    speed = SpeedProfile.through((0.0, 2.0), (10.0, 30.0))
-    return VehicleDynamics(vehicle, Track.of([Segment("tangent", 5.0, gradient=0.0), *segments]), LinearCreep(), speed)
 
 
 def samples(dynamics: VehicleDynamics) -> list[tuple[float, Array, Array]]:
@@ -63,16 +39,6 @@ def samples(dynamics: VehicleDynamics) -> list[tuple[float, Array, Array]]:
 
 
 KINDS = ("as it is", "turned in part", "Maxwell elements", "laws")
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_compiled_equations_are_those_in_numpy(kind: str) -> None:
-    dynamics = dynamics_of(kind)
-    assert (len(dynamics.coordinates.maxwell) > 0) == (kind in KINDS[2:])
-    for time, state, wrenches in samples(dynamics):
-        expected = accelerations(dynamics, time, state, wrenches)
-        actual = dynamics.accelerations(time, state, wrenches).rates
-        np.testing.assert_allclose(actual, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("speed", [64, SpeedProfile.through((0, 1), (64, 64))], ids=["number", "profile"])
