@@ -66,7 +66,7 @@ notebooks: $(VENV)/ready-for-notebooks
 # The same on an old processor: OpenBLAS's first kernels, and loops without later instructions, compiled anew for minutes.
 test-kernels: $(VENV)/ready-to-test
 	@$(MAKE) core
-	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic WHEELRAIL_CORE=wheelrail/bindings/baseline $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
+	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic WHEELRAIL_CORE=$(CURDIR)/wheelrail/bindings/baseline $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
 
 docs: $(VENV)/ready-to-test
 	@$(MAKE) core
