@@ -175,6 +175,7 @@ Results<2> load_values(const Vehicle& v, const Journey& travel, Values state, Va
 }  // namespace
 
 NB_MODULE(_vehicle, m) {
+    nb::set_leak_warnings(false);  // vehicles that Python keeps until its end are no leaks
     using List = std::vector<double>;
     using Vector = Vec<double>;
     nb::class_<Body>(m, "Body").def(nb::init<double, double, double, Vector, bool, std::array<bool, 6>>(), "place"_a,
