@@ -24,9 +24,7 @@ INNER = '"""Module."""\n' + USES + "@compiled\ndef inner(x):\n    'Text.'\n    r
 
 
 def said(folder: Path) -> str:
-    """What a package in a folder prints, instead of the installed one."""
     code = (
-        "import sys; sys.meta_path = [own for own in sys.meta_path if 'editable' not in type(own).__module__];"
         "from wheelrail.contact.outer import outer; from numba import config;"
         "print(outer(2.0), sum(outer.stats.cache_hits.values()), repr(config.CACHE_DIR))"
     )
