@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from wheelrail.contact.geometry.interpenetration import TOO_DEEP
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.system.problem import TOO_DEEP
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES
 from wheelrail.vehicle.simulation.energy_balance import energy_balance

@@ -34,6 +34,7 @@ LEAST_WEIGHT = 1e-4  # of a contact: lower ones have none
 MIN_PENETRATION = 1e-15  # m: smallest penetration of a strip, for a length above zero
 MIN_SLOPE_COSINE = 0.05  # cosine of the wheel's slope: lower bound for the radius along the rail
 
+TOO_DEEP = "the wheel lies inside the rail, too deep for a contact"
 UNSOLVED = "beyond the part of its surface that carries contact points"  # of an overlap
 
 
@@ -350,7 +351,7 @@ def overlap(wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lin
     i = int(samples.depth.argmax())
     if samples.depth[i] > 0.0:
         return overlap_text(samples.depth[i], wheel.point(lines.s[i]), "where no contact point was found")
-    return "the wheel lies inside the rail, too deep for a contact"
+    return TOO_DEEP
 
 
 def overlap_text(depth: float, place: Array, reason: str) -> str:

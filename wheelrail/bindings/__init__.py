@@ -29,5 +29,6 @@ def require_built(folder: Path) -> None:
                 raise ImportError(f"{file} is newer than the compiled core: make core")
 
 
-__path__.append(str(build()))
-require_built(build())
+FOLDER = build()
+__path__.append(str(FOLDER))
+require_built(FOLDER)

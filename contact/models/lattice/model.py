@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from wheelrail.contact.geometry.interpenetration import TOO_DEEP
 from wheelrail.contact.geometry.strip_lattice import cells_along, lattice_sides
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
@@ -28,7 +29,7 @@ from wheelrail.contact.models.lattice.solver.entry import penetrating
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
 from wheelrail.contact.models.lattice.system.contact_lines import MARGIN, strips_apart
 from wheelrail.contact.models.lattice.system.friction import CellFriction
-from wheelrail.contact.models.lattice.system.problem import TOO_DEEP, LatticeProblem
+from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import SurfaceData, surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics

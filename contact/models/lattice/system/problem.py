@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.contact.elasticity.waveguide.influence import BEYOND
-from wheelrail.contact.geometry.interpenetration import UNSOLVED, overlap_text
+from wheelrail.contact.geometry.interpenetration import TOO_DEEP, UNSOLVED, overlap_text
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
@@ -43,7 +43,6 @@ from wheelrail.contact.models.lattice.system.surface import (
 from wheelrail.support.arrays import Array, Nodes
 
 NO_FRICTION = ResidualCode(0, 0, 0, np.zeros(0), 0.0)
-TOO_DEEP = "the wheel lies inside the rail, too deep for a contact"
 INSIDE = 1e-3  # m, below the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
 MISSED = 1e-4  # m, largest overlap that strips may miss: as means over their widths, they have a few um less
 SAMPLES = 400  # of the rail's profile
