@@ -1,0 +1,23 @@
+// The module of contact: curves and surfaces, laws, contact models, results.
+#include <nanobind/nanobind.h>
+
+namespace nb = nanobind;
+
+void bind_geometry(nb::module_& m);
+void bind_laws(nb::module_& m);
+void bind_influence(nb::module_& m);
+void bind_lattice(nb::module_& m);
+void bind_derivatives(nb::module_& m);
+void bind_standard(nb::module_& m);
+void bind_results(nb::module_& m);
+
+NB_MODULE(_contact, m) {
+    nb::set_leak_warnings(false);  // what Python keeps until its end is no leak
+    bind_geometry(m);
+    bind_laws(m);
+    bind_influence(m);
+    bind_lattice(m);
+    bind_derivatives(m);
+    bind_standard(m);
+    bind_results(m);
+}

@@ -1,0 +1,91 @@
+// Arrays of numbers in C order: views of memory that somebody else owns, and arrays that own it.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <memory>
+
+#if defined(_GLIBCXX_ASSERTIONS)
+#include <stdexcept>
+#endif
+
+namespace wr {
+
+// A view of N dimensions; a row of it is one of N - 1. Builds with sanitizers check every index.
+template <class T, int N>
+struct View {
+    T* data = nullptr;
+    std::array<long, N> shape{};
+
+    operator View<const T, N>() const { return {data, shape}; }
+
+    template <class... I>
+    T& operator()(I... index) const {
+        static_assert(sizeof...(I) == N);
+        long at = 0;
+        int k = 0;
+        ((at = at * shape[k] + checked(long(index), k), ++k), ...);
+        return data[at];
+    }
+    // An element, or a row.
+    decltype(auto) operator[](long i) const {
+        if constexpr (N == 1) {
+            return (*this)(i);
+        } else {
+            View<T, N - 1> row{data + checked(i, 0) * (count() / std::max(shape[0], 1L)), {}};
+            std::copy(shape.begin() + 1, shape.end(), row.shape.begin());
+            return row;
+        }
+    }
+    // Rows, or elements, from the first to before the last.
+    View part(long first, long last) const {
+        View v = *this;
+        v.data += first * (count() / std::max(shape[0], 1L));
+        v.shape[0] = last - first;
+        return v;
+    }
+    long size() const { return shape[0]; }
+    long count() const {
+        long n = 1;
+        for (long k : shape) n *= k;
+        return n;
+    }
+    T* begin() const { return data; }
+    T* end() const { return data + count(); }
+
+   private:
+    long checked(long i, [[maybe_unused]] int k) const {
+#if defined(_GLIBCXX_ASSERTIONS)
+        if (i < 0 || i >= shape[k]) throw std::out_of_range("index of an array");
+#endif
+        return i;
+    }
+};
+
+// An array that owns its numbers, zero at first; a copy shares them.
+template <class T, int N>
+struct Array : View<T, N> {
+    std::shared_ptr<T[]> owner;
+
+    Array() = default;
+    explicit Array(const std::array<long, N>& sizes) {
+        this->shape = sizes;
+        owner = std::make_shared<T[]>(this->count());
+        this->data = owner.get();
+    }
+    template <class... I>
+        requires(sizeof...(I) == N)
+    explicit Array(I... sizes) : Array(std::array<long, N>{long(sizes)...}) {}
+
+    static Array copy(const View<const T, N>& from) {
+        Array a(from.shape);
+        std::copy(from.begin(), from.end(), a.begin());
+        return a;
+    }
+};
+
+using Numbers = View<const double, 1>;
+using Rows = View<const double, 2>;
+using Blocks = View<const double, 3>;
+using Indices = View<const long, 1>;
+
+}  // namespace wr
