@@ -31,7 +31,7 @@ struct View {
         if constexpr (N == 1) {
             return (*this)(i);
         } else {
-            View<T, N - 1> row{data + checked(i, 0) * (count() / std::max(shape[0], 1L)), {}};
+            View<T, N - 1> row{data + checked(i, 0) * stride(), {}};
             std::copy(shape.begin() + 1, shape.end(), row.shape.begin());
             return row;
         }
@@ -39,20 +39,22 @@ struct View {
     // Rows, or elements, from the first to before the last.
     View part(long first, long last) const {
         View v = *this;
-        v.data += first * (count() / std::max(shape[0], 1L));
+        v.data += first * stride();
         v.shape[0] = last - first;
         return v;
     }
     long size() const { return shape[0]; }
-    long count() const {
-        long n = 1;
-        for (long k : shape) n *= k;
-        return n;
-    }
+    long count() const { return shape[0] * stride(); }
     T* begin() const { return data; }
     T* end() const { return data + count(); }
 
    private:
+    // Elements of a row.
+    long stride() const {
+        long n = 1;
+        for (int k = 1; k < N; ++k) n *= shape[k];
+        return n;
+    }
     long checked(long i, [[maybe_unused]] int k) const {
 #if defined(_GLIBCXX_ASSERTIONS)
         if (i < 0 || i >= shape[k]) throw std::out_of_range("index of an array");

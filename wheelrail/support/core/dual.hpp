@@ -71,6 +71,14 @@ Dual<N> atan(const Dual<N>& a) {
     return a.chain(std::atan(a.v), 1.0 / (1.0 + a.v * a.v));
 }
 
+// a * b + c with one rounding of the value.
+template <int N>
+Dual<N> fma(const Dual<N>& a, const Dual<N>& b, double c) {
+    Dual<N> r(std::fma(a.v, b.v, c));
+    for (int i = 0; i < N; ++i) r.d[i] = a.d[i] * b.v + a.v * b.d[i];
+    return r;
+}
+
 // Branches look at the value.
 inline double value(double x) { return x; }
 template <int N>
