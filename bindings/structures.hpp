@@ -130,6 +130,8 @@ F field_of(nb::handle from, const std::string& structure, const char* name) {
     }
     if constexpr (Structure<F>)
         return *caster.value;
+    else if constexpr (std::is_pointer_v<F>)  // of an object that Python holds
+        return static_cast<std::remove_const_t<std::remove_pointer_t<F>>*>(caster);
     else
         return caster.value;
 }
