@@ -1,0 +1,125 @@
+// Eight doubles at once. Multiplications and additions are fused explicitly, so that the rounding depends on no
+// compiler.
+#pragma once
+#include <cmath>
+
+#include "support/core/arrays.hpp"
+#if defined(__AVX2__) && defined(__FMA__)
+#include <immintrin.h>
+#endif
+
+namespace wr {
+
+constexpr int LANES = 8;
+
+// In parts as wide as registers: GCC 12 keeps larger vectors in memory, which takes seven times as long.
+#if defined(__AVX2__) && defined(__FMA__)
+constexpr int PART = 4;
+#else
+constexpr int PART = 2;
+#endif
+typedef double part8 __attribute__((vector_size(8 * PART)));
+typedef double part8_anywhere __attribute__((vector_size(8 * PART), aligned(8), may_alias));
+
+struct v8 {
+    part8 p[LANES / PART];
+
+    double operator[](int k) const { return p[k / PART][k % PART]; }
+};
+
+template <class F>
+v8 each_part(const F& f) {
+    v8 r;
+    for (int k = 0; k < LANES / PART; ++k) r.p[k] = f(k);
+    return r;
+}
+// GCC 12 does not always make one instruction of a loop of fused operations, which takes five times as long.
+inline part8 fma(part8 a, part8 b, part8 c) {
+#if defined(__AVX2__) && defined(__FMA__)
+    return _mm256_fmadd_pd(a, b, c);
+#else
+    return part8{std::fma(a[0], b[0], c[0]), std::fma(a[1], b[1], c[1])};
+#endif
+}
+inline v8 fma(const v8& a, const v8& b, const v8& c) {
+    return each_part([&](int k) { return fma(a.p[k], b.p[k], c.p[k]); });
+}
+inline v8 operator+(const v8& a, const v8& b) {
+    return each_part([&](int k) { return a.p[k] + b.p[k]; });
+}
+inline v8 operator*(const v8& a, const v8& b) {
+    return each_part([&](int k) { return a.p[k] * b.p[k]; });
+}
+inline v8 splat(double x) {
+    return each_part([&](int) { return part8{} + x; });
+}
+inline v8 load8(const double* at) {
+    return each_part([&](int k) -> part8 { return *reinterpret_cast<const part8_anywhere*>(at + PART * k); });
+}
+inline void store8(const v8& v, double* at) {
+    for (int k = 0; k < LANES / PART; ++k) *reinterpret_cast<part8_anywhere*>(at + PART * k) = v.p[k];
+}
+
+// Vectors that are a number of doubles apart.
+struct Series {
+    const double* data;
+    long apart, count;
+
+    v8 operator[](long n) const { return load8(data + apart * checked(n)); }
+    // Component k of vector n.
+    double operator()(long n, int k) const { return data[apart * checked(n) + k]; }
+    Series part(long first, long size) const {
+        return {data + apart * (size ? checked(first) + 0 * checked(first + size - 1) : 0), apart, size};
+    }
+
+  private:
+    long checked(long n) const {
+#if defined(_GLIBCXX_ASSERTIONS)
+        if (n < 0 || n >= count) throw std::out_of_range("index of a vector");
+#endif
+        return n;
+    }
+};
+
+// Vectors (.., 8) of an array, one after the other.
+template <class T, int N>
+Series vectors(const View<T, N>& from) {
+    return {from.data, LANES, from.count() / LANES};
+}
+
+// A plane of vectors; rows and columns change places without copies.
+struct Plane {
+    const double* data;
+    long rows, columns, down, right;  // down and right: doubles from a vector to those below and beside it
+
+    Series row(long r) const { return {data + down * checked(r, rows), right, columns}; }
+    Series column(long c) const { return {data + right * checked(c, columns), down, rows}; }
+    Plane transposed() const { return {data, columns, rows, right, down}; }
+
+  private:
+    static long checked(long i, [[maybe_unused]] long size) {
+#if defined(_GLIBCXX_ASSERTIONS)
+        if (i < 0 || i >= size) throw std::out_of_range("index of a plane");
+#endif
+        return i;
+    }
+};
+
+// Plane (rows, columns) of an array (rows, columns, 8).
+template <class T>
+Plane plane(const View<T, 3>& from) {
+    return {from.data, from.shape[0], from.shape[1], LANES * from.shape[1], LANES};
+}
+
+// Sums over count vectors times each of K weights (count, K): all stay in registers, and each vector is read once.
+template <int K>
+std::array<v8, K> products(const Series& of, const double* weights, long count) {
+    std::array<v8, K> sums{};
+    for (long n = 0; n < count; ++n) {
+        v8 value = of[n];
+        for (int k = 0; k < K; ++k) sums[k] = fma(value, splat(weights[n * K + k]), sums[k]);
+    }
+    return sums;
+}
+
+}  // namespace wr
