@@ -20,18 +20,16 @@ void bind_lattice(nb::module_& m) {
                             {"depth", "onset", "whole", "x", "curvature", "foot", "level", "covered", "near", "probed",
                              "approach", "window", "speed"},
                             "Where the strips of a lattice touch.");
-    structure<Factors>(
-        m, "Factors",
-        {"lu", "pivots", "rows", "columns", "slips", "slopes", "present", "spread", "gather"},
-        "LU factors of the Jacobian of a state.");
+    structure<Factors>(m, "Factors",
+                       {"lu", "pivots", "rows", "columns", "slips", "slopes", "present", "spread", "gather"},
+                       "LU factors of the Jacobian of a state.");
     structure<Lapack>(m, "Lapack", {"sgetrf", "sgetrs"}, "Addresses of functions of LAPACK.");
     structure<KeptFactors>(m, "KeptFactors", {"valid", "factors", "evaluation"},
                            "Factors of an earlier state, and the evaluation of the present one, if they are valid.");
     structure<Limits>(m, "Limits", {"tolerance", "farthest", "iterations"}, "Limits of the iteration.");
-    structure<Progress>(
-        m, "Progress",
-        {"event", "values", "leaves", "size", "kept", "iterations", "linearisations", "evaluations"},
-        "Where the iteration has stopped.");
+    structure<Progress>(m, "Progress",
+                        {"event", "values", "leaves", "size", "kept", "iterations", "linearisations", "evaluations"},
+                        "Where the iteration has stopped.");
     structure<Remaining>(m, "Remaining", {"inside", "strips", "depth", "place", "curvature", "half", "highest"},
                          "Penetration that remains on unloaded strips.");
     structure<Advance>(m, "Advance", {"progress", "complete", "rest"},

@@ -107,7 +107,8 @@ struct type_caster<T> {
 
     bool from_python(handle source, uint32_t flags, cleanup_list* cleanup) noexcept {
         Held held;
-        if (!held.from_python(source, flags & ~uint32_t(cast_flags::convert), cleanup) || source.is_none()) return false;
+        if (!held.from_python(source, flags & ~uint32_t(cast_flags::convert), cleanup) || source.is_none())
+            return false;
         value = &held.operator wr::Kept<T>&().data;
         return true;
     }
@@ -124,7 +125,9 @@ namespace wr {
 template <class F>
 F field_of(nb::handle from, const std::string& structure, const char* name) {
     nb::detail::make_caster<F> caster;
-    if (!caster.from_python(from, 0, nullptr)) {
+    // Numbers of NumPy and integers count as numbers; anything else must have the right type.
+    constexpr auto flags = std::is_arithmetic_v<F> ? uint8_t(nb::detail::cast_flags::convert) : uint8_t(0);
+    if (!caster.from_python(from, flags, nullptr)) {
         std::string text = structure + "." + name + ": wrong type, or an array of other dimensions, numbers or order";
         throw nb::type_error(text.c_str());
     }
@@ -166,6 +169,16 @@ nb::class_<Kept<T>> structure(nb::module_& m, const char* name, const char* cons
          ...);
     };
     define(std::make_index_sequence<N>());
+    made.def(
+        "_replace",
+        [names](nb::handle self, const nb::kwargs& changes) {
+            nb::dict values;
+            for (const char* field : names) values[field] = self.attr(field);
+            values.update(changes);
+            return self.type()(**values);
+        },
+        nb::sig("def _replace(self, **changes: object) -> typing.Self"),
+        "The same with other fields, as of named tuples.");
     made.def("__reduce__", [names](nb::handle self) {
         nb::list values;
         for (const char* field : names) values.append(self.attr(field));

@@ -1,7 +1,7 @@
 // LU factors of the Jacobian of a contact on a lattice, in single precision.
 //
-// With scaled unknowns and equations the Jacobian's condition is some 1e3, so that steps err by some 1e-6 of themselves.
-// Residuals are exact: steps converge to the same solution, and factors take half of the time and memory.
+// With scaled unknowns and equations the Jacobian's condition is some 1e3, so that steps err by some 1e-6 of
+// themselves. Residuals are exact: steps converge to the same solution, and factors take half of the time and memory.
 #pragma once
 #include "contact/models/lattice/system/core/equation_data.hpp"
 

@@ -49,9 +49,7 @@ struct Progress {
     KeptFactors kept;         // with which the next iteration from these values begins
     long iterations = 0, linearisations = 0, evaluations = 0;
 
-    auto fields() {
-        return std::tie(event, values, leaves, size, kept, iterations, linearisations, evaluations);
-    }
+    auto fields() { return std::tie(event, values, leaves, size, kept, iterations, linearisations, evaluations); }
 };
 
 }  // namespace wr

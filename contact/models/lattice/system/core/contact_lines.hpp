@@ -14,14 +14,14 @@ struct ContactLines {
     Array<double, 1> whole;      // (K,) m, depth of the parabola along them when they touch on their whole width
     Array<double, 1> x;          // (K,) m, place along x of the largest penetration
     Array<double, 1> curvature;  // (K,) 1/m, relative curvature along x there
-    Array<double, 1> foot;  // (K,) m, arc length of closest points on the lower body; NaN: the gap exceeds the margin
-    Array<double, 2> level;   // (K, 3), longitudinal axis
-    Array<bool, 1> covered;   // (K,) strips that the lines of both bodies carry
+    Array<double, 1> foot;   // (K,) m, arc length of closest points on the lower body; NaN: the gap exceeds the margin
+    Array<double, 2> level;  // (K, 3), longitudinal axis
+    Array<bool, 1> covered;  // (K,) strips that the lines of both bodies carry
     // (K,) these and strips that penetrate: displacements may bring them into contact, for friction on a tread can
     // close the gap of a flange
     Array<bool, 1> near;
-    Array<bool, 1> probed;    // (K,) strips near to contact to look at first, see `smallest_gaps`
-    double approach = 0.0;    // m, the largest penetration
+    Array<bool, 1> probed;           // (K,) strips near to contact to look at first, see `smallest_gaps`
+    double approach = 0.0;           // m, the largest penetration
     std::array<double, 2> window{};  // m, range of x with possible contact, twice the region of penetration
     // m/s at which both materials flow backwards, the mean weighted by the squared penetration; 0 without penetration
     double speed = 0.0;

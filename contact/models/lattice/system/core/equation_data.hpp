@@ -29,20 +29,19 @@ struct StripPlaces {
 
 // Residual of a state and what belongs to it.
 struct Evaluation {
-    bool inside = false;         // whether all points lie on the surfaces and in the tables
-    Array<double, 2> residual;   // (S, block): friction Pa along and across, moments of the gap m
-    Array<double, 3> V;          // (S, M + 3, 3), antiderivatives of the displacements
-    Array<double, 2> pressure;   // (S, M) Pa, means over the cells
-    Array<double, 3> slip;       // (S, 2, M) over the speed
+    bool inside = false;           // whether all points lie on the surfaces and in the tables
+    Array<double, 2> residual;     // (S, block): friction Pa along and across, moments of the gap m
+    Array<double, 3> V;            // (S, M + 3, 3), antiderivatives of the displacements
+    Array<double, 2> pressure;     // (S, M) Pa, means over the cells
+    Array<double, 3> slip;         // (S, 2, M) over the speed
     Array<double, 3> rigid_slope;  // (S, 2, M) 1/m, change of its rigid part along x
     Array<double, 2> depth_slope;  // (S, STATIONS), change of the penetration along x
 
     auto fields() { return std::tie(inside, residual, V, pressure, slip, rigid_slope, depth_slope); }
     bool fits() const {
         long S = residual.size(), M = pressure.shape[1];
-        return V.shape == std::array{S, V.shape[1], 3L} && (V.shape[1] == M + 3 || S == 0) &&
-               pressure.size() == S && slip.shape == std::array{S, 2L, M} && rigid_slope.shape == slip.shape &&
-               depth_slope.size() == S;
+        return V.shape == std::array{S, V.shape[1], 3L} && (V.shape[1] == M + 3 || S == 0) && pressure.size() == S &&
+               slip.shape == std::array{S, 2L, M} && rigid_slope.shape == slip.shape && depth_slope.size() == S;
     }
 };
 
