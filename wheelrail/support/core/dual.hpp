@@ -5,16 +5,17 @@
 
 namespace wr {
 
-template <int N>
+// V: double, or a type of several numbers side by side.
+template <int N, class V = double>
 struct Dual {
-    double v = 0.0;
-    double d[N] = {};
+    V v{};
+    V d[N]{};
 
     constexpr Dual() = default;
-    constexpr Dual(double x) : v(x) {}
+    constexpr Dual(V x) : v(x) {}
 
     // f(v) with the slope s
-    Dual chain(double value, double s) const {
+    Dual chain(V value, V s) const {
         Dual r(value);
         for (int i = 0; i < N; ++i) r.d[i] = s * d[i];
         return r;
@@ -40,17 +41,22 @@ struct Dual {
     }
     friend Dual operator/(const Dual& a, const Dual& b) {
         Dual r(a.v / b.v);
-        for (int i = 0; i < N; ++i) r.d[i] = (a.d[i] - r.v * b.d[i]) / b.v;
+        V over = 1.0 / b.v;
+        for (int i = 0; i < N; ++i) r.d[i] = (a.d[i] - r.v * b.d[i]) * over;
         return r;
     }
     // With a number: constants have no derivatives to carry along.
-    friend Dual operator+(Dual a, double b) { return a.v += b, a; }
-    friend Dual operator+(double b, Dual a) { return a.v += b, a; }
-    friend Dual operator-(Dual a, double b) { return a.v -= b, a; }
-    friend Dual operator-(double b, const Dual& a) { return a.chain(b - a.v, -1.0); }
-    friend Dual operator*(const Dual& a, double b) { return a.chain(a.v * b, b); }
-    friend Dual operator*(double b, const Dual& a) { return a.chain(a.v * b, b); }
-    friend Dual operator/(const Dual& a, double b) { return a.chain(a.v / b, 1.0 / b); }
+    friend Dual operator+(Dual a, const V& b) { return a.v += b, a; }
+    friend Dual operator+(const V& b, Dual a) { return a.v += b, a; }
+    friend Dual operator-(Dual a, const V& b) { return a.v -= b, a; }
+    friend Dual operator-(const V& b, const Dual& a) { return a.chain(b - a.v, -1.0); }
+    friend Dual operator*(const Dual& a, const V& b) { return a.chain(a.v * b, b); }
+    friend Dual operator*(const V& b, const Dual& a) { return a.chain(a.v * b, b); }
+    friend Dual operator/(const Dual& a, const V& b) { return a.chain(a.v / b, 1.0 / b); }
+    friend Dual operator/(const V& b, const Dual& a) {
+        V value = b / a.v;
+        return a.chain(value, -value / a.v);
+    }
 };
 
 template <int N>
@@ -61,14 +67,24 @@ template <int N>
 Dual<N> cos(const Dual<N>& a) {
     return a.chain(std::cos(a.v), -std::sin(a.v));
 }
-template <int N>
-Dual<N> sqrt(const Dual<N>& a) {
-    double r = std::sqrt(a.v);
+template <int N, class V>
+Dual<N, V> sqrt(const Dual<N, V>& a) {
+    using std::sqrt;
+    V r = sqrt(a.v);
     return a.chain(r, 0.5 / r);
 }
 template <int N>
 Dual<N> atan(const Dual<N>& a) {
     return a.chain(std::atan(a.v), 1.0 / (1.0 + a.v * a.v));
+}
+template <int N>
+Dual<N> exp(const Dual<N>& a) {
+    double r = std::exp(a.v);
+    return a.chain(r, r);
+}
+template <int N>
+Dual<N> log(const Dual<N>& a) {
+    return a.chain(std::log(a.v), 1.0 / a.v);
 }
 
 // a * b + c with one rounding of the value.
@@ -81,8 +97,8 @@ Dual<N> fma(const Dual<N>& a, const Dual<N>& b, double c) {
 
 // Branches look at the value.
 inline double value(double x) { return x; }
-template <int N>
-double value(const Dual<N>& x) {
+template <int N, class V>
+V value(const Dual<N, V>& x) {
     return x.v;
 }
 
