@@ -74,6 +74,11 @@ Dual<N, V> sqrt(const Dual<N, V>& a) {
     return a.chain(r, 0.5 / r);
 }
 template <int N>
+Dual<N> pow(const Dual<N>& a, double b) {
+    double r = std::pow(a.v, b);
+    return a.chain(r, b * r / a.v);
+}
+template <int N>
 Dual<N> atan(const Dual<N>& a) {
     return a.chain(std::atan(a.v), 1.0 / (1.0 + a.v * a.v));
 }

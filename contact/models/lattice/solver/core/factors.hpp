@@ -3,9 +3,18 @@
 // With scaled unknowns and equations the Jacobian's condition is some 1e3, so that steps err by some 1e-6 of
 // themselves. Residuals are exact: steps converge to the same solution, and factors take half of the time and memory.
 #pragma once
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "contact/models/lattice/influence/core/basis.hpp"
 #include "contact/models/lattice/system/core/equation_data.hpp"
 
 namespace wr {
+
+constexpr int REFINEMENTS = 2;                             // of a solution to double precision
+constexpr double REFINED = 1e-6;                           // of the solution: largest error left
+constexpr double STRESS = 1e9, LENGTH = 1e-3, GAP = 1e-6;  // Pa, m, m: scales of the unknowns and of the moments
 
 // Factors of the Jacobian (n, n) of a state with values (S, block), in units of STRESS, LENGTH and GAP.
 struct Factors {
@@ -29,11 +38,148 @@ struct Factors {
     }
 };
 
-// Addresses of functions of LAPACK: LU factors in single precision, and solution with them.
+// Addresses of functions of LAPACK: LU factors in single precision, solution with them, and solution in double
+// precision.
 struct Lapack {
-    long sgetrf = 0, sgetrs = 0;
+    long sgetrf = 0, sgetrs = 0, dgesv = 0;
 
-    auto fields() { return std::tie(sgetrf, sgetrs); }
+    auto fields() { return std::tie(sgetrf, sgetrs, dgesv); }
+    bool fits() const { return sgetrf && sgetrs && dgesv; }
+
+    // Factors of a matrix (n, n) column by column, in place; pivots (n,). Whether it is regular.
+    bool factorise(View<float, 2> matrix, View<int, 1> pivots) const {
+        using Function = void(int* rows, int* columns, float* matrix, int* apart, int* pivots, int* flag);
+        int n = int(matrix.size()), flag = 0;
+        reinterpret_cast<Function*>(sgetrf)(&n, &n, matrix.data, &n, pivots.data, &flag);
+        return flag == 0;
+    }
+    // Replace right-hand sides (k, n) by the solutions, or by those of the transposed equations.
+    void solve(View<const float, 2> factors, View<const int, 1> pivots, View<float, 2> right, bool transposed) const {
+        using Function = void(const char* kind, int* n, int* sides, const float* factors, int* apart, const int* pivots,
+                              float* right, int* right_apart, int* flag);
+        int n = int(factors.size()), sides = int(right.size()), flag = 0;
+        reinterpret_cast<Function*>(sgetrs)(transposed ? "T" : "N", &n, &sides, factors.data, &n, pivots.data,
+                                            right.data, &n, &flag);
+    }
+    // Replace right-hand sides (k, n) by the solutions with a matrix (n, n) column by column, which is overwritten.
+    void solve(View<double, 2> matrix, View<double, 2> right) const {
+        using Function = void(int* n, int* sides, double* matrix, int* apart, int* pivots, double* right,
+                              int* right_apart, int* flag);
+        int n = int(matrix.size()), sides = int(right.size()), flag = 0;
+        Array<int, 1> pivots(n);
+        reinterpret_cast<Function*>(dgesv)(&n, &sides, matrix.data, &n, pivots.data, right.data, &n, &flag);
+        if (flag) throw std::runtime_error("the Jacobian of the contact is singular");
+    }
 };
+
+// Whether factors are those of a number of strips with some cells and unknowns each.
+inline bool fit(const Factors& factors, long strips, long cells, long block) {
+    return factors.rows.size() == strips * block && factors.slopes.size() == strips && factors.slopes.shape[1] == cells;
+}
+
+// Factors of a Jacobian, and whether it is regular.
+inline std::pair<bool, Factors> factorised(const Linearisation& at, const Lapack& solver) {
+    long S = at.slips.size(), n = at.jacobian.size(), block = n / S;
+    Factors f{Array<float, 2>(n, n), Array<int, 1>(n), Array<double, 1>(n), Array<double, 1>(n),
+              Array<float, 3>(at.slips.shape), at.slopes, at.slopes, Array<float, 2>(n, 0), Array<float, 2>(0, n)};
+    for (long i = 0; i < n; ++i) {
+        f.rows(i) = i % block < block - MOMENTS ? 1 / STRESS : 1 / GAP;
+        f.columns(i) = i % block < block - 2 ? STRESS : LENGTH;
+    }
+    for (long i = 0; i < n; ++i) {  // LAPACK sees the transpose
+        auto to = f.lu[i];
+        auto from = at.jacobian[i];
+        for (long k = 0; k < n; ++k) to(k) = float(f.rows(i) * from(k) * f.columns(k));
+    }
+    for (long i = 0; i < S; ++i)
+        for (long r = 0; r < at.slips.shape[1]; ++r) {
+            auto to = f.slips[i][r];
+            auto from = at.slips[i][r];
+            for (long c = 0; c < n; ++c) to(c) = from(c) * float(f.columns(c));
+        }
+    return {solver.factorise(f.lu, f.pivots), f};
+}
+
+// Replace right-hand sides (k, n) by the solutions with factors that are not corrected.
+inline void back_substitute(const Factors& factors, const Lapack& solver, View<float, 2> right) {
+    solver.solve(factors.lu, factors.pivots, right, true);
+}
+
+// Sums of sixteen at once: one sum waits for every addition.
+inline float dot(View<const float, 1> a, View<const float, 1> b) {
+    constexpr long WIDE = 16;
+    float sums[WIDE] = {}, total = 0.0f;
+    long k = 0;
+    for (; k + WIDE <= a.size(); k += WIDE)
+        for (long m = 0; m < WIDE; ++m) sums[m] += a(k + m) * b(k + m);
+    for (; k < a.size(); ++k) total += a(k) * b(k);
+    for (float sum : sums) total += sum;
+    return total;
+}
+
+// Step (S, block) that cancels the linearised residual (S, block).
+inline Array<double, 2> newton_step(const Factors& factors, const Lapack& solver, Rows residual) {
+    long n = factors.rows.size(), rank = factors.gather.size();
+    Array<float, 2> scaled(1, n);
+    auto solution = scaled[0];
+    for (long k = 0; k < n; ++k) solution(k) = float(-factors.rows(k) * residual.data[k]);
+    back_substitute(factors, solver, scaled);
+    if (rank) {
+        Array<float, 1> gathered(rank);
+        for (long r = 0; r < rank; ++r) gathered(r) = dot(factors.gather[r], solution);
+        for (long k = 0; k < n; ++k) solution(k) -= dot(factors.spread[k], gathered);
+    }
+    Array<double, 2> step(residual.shape);
+    for (long k = 0; k < n; ++k) step.data[k] = factors.columns(k) * solution(k);
+    return step;
+}
+
+// Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the Jacobian (n, n)
+// of factors that are not corrected. Iterative refinement: N. Higham, Accuracy and Stability of Numerical Algorithms,
+// 2002, chapter 12.
+inline Array<double, 2> solve_transposed(const Factors& factors, const Lapack& solver, Rows jacobian, Rows right) {
+    long sides = right.size(), n = right.shape[1];
+    Array<double, 2> solution(sides, n), rest = Array<double, 2>::copy(right);
+    Array<float, 2> change(sides, n);
+    double before = 1.0;
+    bool finite = true;
+    for (int step = 0; step <= REFINEMENTS; ++step) {
+        for (long i = 0; i < sides; ++i)
+            for (long c = 0; c < n; ++c) change(i, c) = float(factors.columns(c) * rest(i, c));
+        solver.solve(factors.lu, factors.pivots, change, false);  // LAPACK sees the transpose of the Jacobian
+        double after = 0.0;
+        for (long i = 0; i < sides; ++i) {
+            double largest = 0.0, size = 0.0;
+            for (long c = 0; c < n; ++c) {
+                finite = finite && std::isfinite(change(i, c));
+                solution(i, c) += factors.rows(c) * change(i, c);
+                largest = std::max(largest, std::abs(solution(i, c) / factors.rows(c)));
+                size = std::max(size, double(std::abs(change(i, c))));
+            }
+            if (largest > 0.0) after = std::max(after, size / largest);
+        }
+        // what is left is as much smaller as this change
+        if (finite && step > 0 && after * after <= REFINED * before) return solution;
+        before = after;
+        for (long i = 0; i < sides; ++i) {
+            auto left = rest[i];
+            std::copy(right[i].begin(), right[i].end(), left.begin());
+            for (long k = 0; k < n; ++k) {
+                auto row = jacobian[k];
+                double weight = solution(i, k);
+                for (long c = 0; c < n; ++c) left(c) -= weight * row(c);
+            }
+        }
+    }
+    Array<double, 2> scaled(n, n);  // pivots of unscaled equations lose several digits; LAPACK sees the transpose
+    for (long i = 0; i < n; ++i)
+        for (long k = 0; k < n; ++k) scaled(i, k) = factors.rows(i) * jacobian(i, k) * factors.columns(k);
+    for (long i = 0; i < sides; ++i)
+        for (long c = 0; c < n; ++c) solution(i, c) = factors.columns(c) * right(i, c);
+    solver.solve(scaled, solution);
+    for (long i = 0; i < sides; ++i)
+        for (long c = 0; c < n; ++c) solution(i, c) *= factors.rows(c);
+    return solution;
+}
 
 }  // namespace wr
