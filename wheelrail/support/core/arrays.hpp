@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <new>
 
 #if defined(_GLIBCXX_ASSERTIONS)
 #include <stdexcept>
@@ -63,7 +64,8 @@ struct View {
     }
 };
 
-// An array that owns its numbers, zero at first; a copy shares them.
+// An array that owns its numbers, zero at first; a copy shares them. It begins at a line of the cache: vectors of eight
+// then lie in one, otherwise in two, which takes up to a third longer to read.
 template <class T, int N>
 struct Array : View<T, N> {
     std::shared_ptr<T[]> owner;
@@ -71,7 +73,8 @@ struct Array : View<T, N> {
     Array() = default;
     explicit Array(const std::array<long, N>& sizes) {
         this->shape = sizes;
-        owner = std::make_shared<T[]>(this->count());
+        constexpr std::align_val_t line{64};
+        owner.reset(new (line) T[this->count()](), [](T* p) { ::operator delete[](p, line); });
         this->data = owner.get();
     }
     template <class... I>

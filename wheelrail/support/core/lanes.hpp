@@ -62,18 +62,15 @@ inline void store8(const v8& v, double* at) {
 
 // Vectors that are a number of doubles apart.
 struct Series {
-    const double* data;
-    long apart, count;
+    const double* data = nullptr;
+    long count = 0, apart = LANES;
 
-    v8 operator[](long n) const { return load8(data + apart * checked(n)); }
+    v8 operator[](long n) const { return load8(data + apart * checked(n, count)); }
     // Component k of vector n.
-    double operator()(long n, int k) const { return data[apart * checked(n) + k]; }
-    Series part(long first, long size) const {
-        return {data + apart * (size ? checked(first) + 0 * checked(first + size - 1) : 0), apart, size};
-    }
+    double operator()(long n, int k) const { return data[apart * checked(n, count) + k]; }
+    Series part(long first, long size) const { return {data + apart * checked(first, count - size + 1), size, apart}; }
 
-  private:
-    long checked(long n) const {
+    static long checked(long n, [[maybe_unused]] long count) {
 #if defined(_GLIBCXX_ASSERTIONS)
         if (n < 0 || n >= count) throw std::out_of_range("index of a vector");
 #endif
@@ -84,7 +81,7 @@ struct Series {
 // Vectors (.., 8) of an array, one after the other.
 template <class T, int N>
 Series vectors(const View<T, N>& from) {
-    return {from.data, LANES, from.count() / LANES};
+    return {from.data, from.count() / LANES};
 }
 
 // A plane of vectors; rows and columns change places without copies.
@@ -92,17 +89,9 @@ struct Plane {
     const double* data;
     long rows, columns, down, right;  // down and right: doubles from a vector to those below and beside it
 
-    Series row(long r) const { return {data + down * checked(r, rows), right, columns}; }
-    Series column(long c) const { return {data + right * checked(c, columns), down, rows}; }
+    Series row(long r) const { return {data + down * Series::checked(r, rows), columns, right}; }
+    Series column(long c) const { return {data + right * Series::checked(c, columns), rows, down}; }
     Plane transposed() const { return {data, columns, rows, right, down}; }
-
-  private:
-    static long checked(long i, [[maybe_unused]] long size) {
-#if defined(_GLIBCXX_ASSERTIONS)
-        if (i < 0 || i >= size) throw std::out_of_range("index of a plane");
-#endif
-        return i;
-    }
 };
 
 // Plane (rows, columns) of an array (rows, columns, 8).
@@ -111,15 +100,20 @@ Plane plane(const View<T, 3>& from) {
     return {from.data, from.shape[0], from.shape[1], LANES * from.shape[1], LANES};
 }
 
-// Sums over count vectors times each of K weights (count, K): all stay in registers, and each vector is read once.
+// Sums over vectors times each of K weights (count, K): all stay in registers, and each vector is read once.
 template <int K>
-std::array<v8, K> products(const Series& of, const double* weights, long count) {
+std::array<v8, K> products(const Series& of, const View<const double, 2>& weights) {
     std::array<v8, K> sums{};
-    for (long n = 0; n < count; ++n) {
+    for (long n = 0; n < weights.shape[0]; ++n) {
         v8 value = of[n];
-        for (int k = 0; k < K; ++k) sums[k] = fma(value, splat(weights[n * K + k]), sums[k]);
+        for (int k = 0; k < K; ++k) sums[k] = fma(value, splat(weights.data[n * K + k]), sums[k]);
     }
     return sums;
+}
+inline v8 product(const Series& of, const View<const double, 1>& weights) {
+    v8 sum{};
+    for (long n = 0; n < weights.size(); ++n) sum = fma(of[n], splat(weights(n)), sum);
+    return sum;
 }
 
 }  // namespace wr

@@ -1,30 +1,13 @@
 // Tables of the compliance between pairs of strips of a lattice, see
 // `wheelrail.contact.models.lattice.influence.pair_tables`.
 #pragma once
+#include <limits>
+#include <stdexcept>
+
 #include "contact/models/lattice/influence/core/basis.hpp"
-#include "contact/models/lattice/influence/core/pair_grid.hpp"
+#include "contact/models/lattice/influence/core/body_correction.hpp"
 
 namespace wr {
-
-// Coefficients of the pairs i <= j of C strips, the means over them, computed as far as a pair is looked up.
-struct PairMeans {
-    View<const double, 5> lines;  // (ns, ns, cells, DEGREE + 1, COMPONENTS) of pairs of lines
-    long first = 0;               // line from which on the weights count
-    Rows share;                   // (C, n) weights of the lines in the strips
-    View<double, 4> values;       // (C (C + 1) / 2, cells, DEGREE + 1, COMPONENTS), a pair in row j (j + 1) / 2 + i
-    View<long, 1> known;          // (C (C + 1) / 2,) number of cells that are computed
-
-    auto fields() { return std::tie(lines, first, share, values, known); }
-    bool fits() const {
-        long C = share.size(), pairs = C * (C + 1) / 2;
-        bool right = lines.shape[0] == lines.shape[1] && lines.shape[3] == DEGREE + 1 && lines.shape[4] == COMPONENTS &&
-                     values.shape[2] == DEGREE + 1 && values.shape[3] == COMPONENTS && values.size() == pairs &&
-                     known.size() == pairs && values.shape[1] <= lines.shape[2] && first >= 0 &&
-                     first + share.shape[1] <= lines.shape[0];
-        for (long cells : known) right &= cells >= 0 && cells <= values.shape[1];
-        return right;
-    }
-};
 
 // Tables of the pairs i <= j of a lattice of K strips, as far as needed at a pose.
 struct PairTables {
@@ -43,7 +26,7 @@ struct PairTables {
         bool right = values.shape[1] == DEGREE + 1 && values.shape[2] == COMPONENTS && pair.shape[0] == K &&
                      pair.shape[1] == K && cells.size() == P && inverse.size() == P;
         for (long p = 0; right && p < P; ++p)
-            right &= first(p) >= 0 && cells(p) >= 0 && first(p) + cells(p) <= values.size();
+            right &= first(p) >= 0 && cells(p) >= 0 && first(p) + cells(p) <= values.size() && !(inverse(p) < 0.0);
         for (long at : place) right &= at >= 0 && (at < C || C == 0);
         return right;
     }
@@ -80,5 +63,115 @@ struct BodyTables {
     auto fields() { return std::tie(upper, lower, share); }
     bool fits() const { return share.size() == 2; }
 };
+
+// Chosen strips on the lines of the lower body.
+struct StripsOnLines {
+    Array<long, 1> place;            // (K,) numbers among the chosen ones
+    Array<double, 1> middle, width;  // (C,) m, of these on the lower body
+    double low, high;                // m, ends of the part that they cover
+};
+
+// Strips beyond the lines of the body are moved to the last ones. There a deviation from a half-space is a guess, which
+// serves to find that a strip remains without load.
+//
+// chosen: (K,). feet: (K,) m, arc length of the strips' middles on the lower body.
+inline StripsOnLines strips_on_lines(const Lattice& lattice, const View<const bool, 1>& chosen, const Numbers& feet) {
+    long C = std::count(chosen.begin(), chosen.end(), true);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    StripsOnLines on{Array<long, 1>(chosen.size()), Array<double, 1>(C), Array<double, 1>(C), infinity, -infinity};
+    for (long k = 0, i = 0; k < chosen.size(); ++k) {
+        if (!chosen(k)) continue;
+        double half = 0.5 * lattice.width(k);
+        double middle = std::min(std::max(feet(k), lattice.bounds(0) + half), lattice.bounds(1) - half);
+        on.place(k) = i, on.width(i) = lattice.width(k), on.middle(i++) = middle;
+        on.low = std::min(on.low, middle - half), on.high = std::max(on.high, middle + half);
+    }
+    return on;
+}
+
+// Largest distance of boundaries in order on two strips.
+inline double farthest(const Numbers& rows, const Numbers& columns) {
+    return std::max(std::abs(rows(0) - columns(columns.size() - 1)), std::abs(rows(rows.size() - 1) - columns(0)));
+}
+
+// Tables of a pair of strips i <= j up to a distance m, that of the half-spaces and that of the deviation.
+class Pair {
+  public:
+    Pair(const PairTables& t, long i, long j, double reach) {
+        if (i < 0 || i > j || j >= t.place.size()) throw std::out_of_range("strip without tables");
+        long pair = t.pair(i, j);
+        if (pair < 0 || pair >= t.first.size()) throw std::out_of_range("pair without tables");
+        cells = t.cells(pair), inverse = t.inverse(pair);
+        own = vectors(t.values.part(t.first(pair), t.first(pair) + cells));
+        if (t.smooth.none()) return;
+        long first = t.place(i), second = t.place(j);
+        if (first > second) throw std::out_of_range("places of strips without order");
+        auto means = pair_mean(t.smooth, first, second, table_cell(reach / START + 1.0).cell + 1);
+        smooth_cells = means.size(), smooth = vectors(means);
+    }
+    // Write values and slopes of all components at x m; false beyond the tables.
+    bool at(double x, Values& sum) const {
+        double away = std::abs(x);
+        TableCell place = table_cell(away * inverse + 1.0);
+        if (!(place.cell < cells)) return false;
+        sum = polynomial(own, place, inverse);
+        if (smooth_cells) {
+            constexpr double per_length = 1.0 / START;
+            place = table_cell(away * per_length + 1.0);
+            if (!(place.cell < smooth_cells)) return false;
+            Values more = polynomial(smooth, place, per_length);
+            sum = {sum.value + more.value, sum.slope + more.slope};
+        }
+        return true;
+    }
+    // Write value and slope by |x| of the component NN at x m; false beyond the tables.
+    bool normal_at(double x, double& value, double& slope) const {
+        double away = std::abs(x);
+        TableCell place = table_cell(away * inverse + 1.0);
+        if (!(place.cell < cells)) return false;
+        normal_polynomial(own, place, value, slope);
+        slope *= inverse;
+        if (smooth_cells) {
+            place = table_cell(away / START + 1.0);
+            if (!(place.cell < smooth_cells)) return false;
+            double deviation = 0.0, change = 0.0;
+            normal_polynomial(smooth, place, deviation, change);
+            value += deviation, slope += change / START;
+        }
+        return true;
+    }
+
+  private:
+    static void normal_polynomial(const Series& table, const TableCell& at, double& value, double& slope) {
+        long first = (DEGREE + 1) * at.cell;
+        value = table(first + DEGREE, NN), slope = 0.0;
+        for (int k = DEGREE - 1; k >= 0; --k) {
+            slope = std::fma(slope, at.rest, value);
+            value = std::fma(value, at.rest, table(first + k, NN));
+        }
+    }
+
+    Series own, smooth;
+    long cells = 0, smooth_cells = 0;
+    double inverse = 0.0;
+};
+
+// Write G (R, C, 8), and its slopes H if wanted, at the distances of boundaries rows (R,) on strip i and columns (C,)
+// on j >= i, with turn = -1 at the opposite distances. False where they are farther apart than the table reaches.
+template <bool slopes>
+bool look_up(const PairTables& tables, long i, long j, const Numbers& rows, const Numbers& columns,
+             const View<double, 3>& G, const View<double, 3>& H, double turn = 1.0) {
+    Pair pair(tables, i, j, farthest(rows, columns));
+    for (long r = 0; r < rows.size(); ++r)
+        for (long c = 0; c < columns.size(); ++c) {
+            double x = rows(r) - columns(c);
+            Values at;
+            if (!pair.at(x, at)) return false;
+            at = with_sign(at, std::signbit(x) != (turn < 0.0));
+            store8(at.value, &G(r, c, 0));
+            if constexpr (slopes) store8(at.slope, &H(r, c, 0));
+        }
+    return true;
+}
 
 }  // namespace wr
