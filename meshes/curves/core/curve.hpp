@@ -12,9 +12,9 @@
 
 namespace wr {
 
-constexpr double SPACING = 1e-4;     // m, of the samples, and the longest step
-constexpr long STRIDE = 8;           // samples between those of the first, coarse search
-constexpr double SMALL_STEP = 3e-8;  // m; the error after one more step is quadratic in it, below 1e-12 m
+constexpr double SPACING = 1e-4;      // m, of the samples, and the longest step
+constexpr long STRIDE = 8;            // samples between those of the first, coarse search
+constexpr double SMALL_STEP = 3e-8;   // m; the error after one more step is quadratic in it, below 1e-12 m
 constexpr int FAST = 4, SAFE = 1000;  // steps
 
 // A curve of m pieces, for the core.
@@ -181,8 +181,19 @@ inline Foot<double> foot_from(const Shape& shape, const Point<double>& q, double
     return held(shape, q, start);
 }
 
-// The closest point to q, from an initial arc length. With derivatives: by one more step of Newton's method at the
-// solution found in doubles, which makes them exact; the values remain. At a corner or an end the point stays.
+// Change of the closest point m, whose value is zero: one more step of Newton's method in dual numbers at the solution
+// found in doubles, which makes derivatives exact. At a corner or an end the point stays.
+template <class T>
+T foot_change(const OnCurve<double>& at, const Point<T>& q) {
+    T change(0.0);
+    if constexpr (!std::is_same_v<T, double>) {
+        auto next = newton_step(at, q);
+        if (std::abs(value(next.along)) <= 2 * SMALL_STEP) change = next.step, change.v = 0.0;
+    }
+    return change;
+}
+
+// The closest point to q, from an initial arc length.
 template <class T>
 Foot<T> foot(const Shape& shape, const Point<T>& q, double start) {
     auto found = foot_from(shape, value(q), start, piece(shape, start));
@@ -190,13 +201,13 @@ Foot<T> foot(const Shape& shape, const Point<T>& q, double start) {
         return found;
     } else {
         using std::sqrt;
-        auto at = newton_step(local(shape, found.s, found.piece), q);
-        Foot<T> result{found.s, at.across, found.inside, found.piece};
-        if (std::abs(value(at.along)) <= 2 * SMALL_STEP)
-            result.s += at.step;
-        else
-            result.distance = (found.distance < 0.0 ? -1.0 : 1.0) * sqrt(at.along * at.along + at.across * at.across);
-        result.s.v = found.s, result.distance.v = found.distance;
+        auto on = local(shape, found.s, found.piece);
+        auto at = newton_step(on, q);
+        bool smooth = std::abs(value(at.along)) <= 2 * SMALL_STEP;
+        T away = smooth ? at.across : sqrt(at.along * at.along + at.across * at.across);
+        Foot<T> result{found.s + foot_change(on, q), !smooth && found.distance < 0.0 ? -away : away, found.inside,
+                       found.piece};
+        result.distance.v = found.distance;
         return result;
     }
 }

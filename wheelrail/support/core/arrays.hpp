@@ -49,7 +49,7 @@ struct View {
     T* begin() const { return data; }
     T* end() const { return data + count(); }
 
-   private:
+  private:
     // Elements of a row.
     long stride() const {
         long n = 1;
