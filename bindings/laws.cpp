@@ -135,6 +135,12 @@ void bind_laws(nb::module_& m) {
         .def(
             "__init__",
             [](FrictionCode* self, const std::string& path) { new (self) FrictionCode(friction_code(path)); }, "path"_a)
+        .def_prop_ro("addresses",
+                     [](const FrictionCode& code) {
+                         return std::tuple{reinterpret_cast<long>(code.mean_residual),
+                                           reinterpret_cast<long>(code.mean_slopes),
+                                           reinterpret_cast<long>(code.bounds)};
+                     })
         .def_ro("depends_on_speed", &FrictionCode::depends_on_speed)
         .def_ro("depends_on_pressure", &FrictionCode::depends_on_pressure)
         .def("coefficient", &coefficient, "w"_a, "p"_a, "parameters"_a, Unlocked())
@@ -183,4 +189,17 @@ void bind_laws(nb::module_& m) {
         "law"_a, "s"_a, "p"_a, "speed"_a, Unlocked(),
         "Bounds (n,) Pa of the tractions at points with slips s (2, n) over the rolling speed m/s and pressures (n,) "
         "Pa.");
+    m.def(
+        "assembled_columns",
+        [](Rows slopes, Rows slip, Rows pressure) {
+            long k = slopes.size();
+            require(slopes.shape[1] == 12 && slip.shape == std::array{2 * k, 2 * k} &&
+                    (!pressure.size() || pressure.shape == std::array{k, 2 * k}));
+            Array<double, 2> columns(2 * k, 2 * k);
+            assembled(slopes, slip, pressure, columns);
+            return columns;
+        },
+        "slopes"_a, "slip"_a, "pressure"_a, Unlocked(),
+        "Columns of dF/dq (2 k, 2 k) as rows, from slopes (k, 12), ds/dq (2 k, 2 k) 1/Pa and dp/dq (k, 2 k) or (0, "
+        "0).");
 }

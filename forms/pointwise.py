@@ -1,4 +1,4 @@
-"""Straight-line Python from pointwise UFL expressions, and laws with symbolic parameters."""
+"""Straight-line C from pointwise UFL expressions, and laws with symbolic parameters."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ Law = TypeVar("Law")
 Component = tuple[int, ...]
 
 FUNCTIONS = {
-    **{name: f"math.{name}" for name in ("sqrt", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh", "erf")},
-    **{"ln": "math.log", "asin": "math.asin", "acos": "math.acos", "atan": "math.atan"},
+    **{name: name for name in ("sqrt", "exp", "sin", "cos", "tan", "sinh", "cosh", "tanh", "erf")},
+    **{"ln": "log", "asin": "asin", "acos": "acos", "atan": "atan"},
 }
 COMPARISONS = {"GT": ">", "LT": "<", "GE": ">=", "LE": "<=", "EQ": "==", "NE": "!="}
 
@@ -113,7 +113,7 @@ def _by_conditionals(e: Expr, known: dict[Expr, Expr]) -> Expr:
 
 
 class StraightLine:
-    """Assignments in Python that evaluate components of UFL expressions, each value once.
+    """Assignments in C that evaluate components of UFL expressions, each value once.
 
     Parameters:
         names: variables by symbol; components of a vector have its name with the index appended.
@@ -143,7 +143,7 @@ class StraightLine:
         if isinstance(e, classes.Zero):
             return "0.0"
         if isinstance(e, classes.ScalarValue):
-            return repr(float(e))
+            return _number(float(e))
         if isinstance(e, classes.Identity):
             return "1.0" if component[0] == component[1] else "0.0"
         structural = self._structural(e, component, indices)
@@ -174,7 +174,7 @@ class StraightLine:
         if isinstance(e, classes.Conditional):
             condition = self._condition(e.ufl_operands[0], indices)
             true, false = (self._value(operand, component, indices) for operand in e.ufl_operands[1:])
-            return true if true == false else self._assigned(f"{true} if {condition} else {false}")
+            return true if true == false else self._assigned(f"{condition} ? {true} : {false}")
         values = [
             self._value(operand, component if operand.ufl_shape else (), indices)
             for operand in e.ufl_operands
@@ -191,11 +191,11 @@ class StraightLine:
             return "0.0" if a == "0.0" else a if b == "1.0" else self._assigned(f"{a} / {b}")
         if isinstance(e, classes.Power):
             a, b = values
-            return a if b == "1.0" else self._assigned(f"{a} * {a}" if b == "2.0" else f"{a} ** {b}")
+            return a if b == "1.0" else self._assigned(f"{a} * {a}" if b == "2.0" else f"pow({a}, {b})")
         if isinstance(e, classes.Abs):
-            return self._assigned(f"abs({values[0]})")
+            return self._assigned(f"fabs({values[0]})")
         if kind == "Sign":
-            return self._assigned(f"1.0 if {values[0]} > 0.0 else -1.0 if {values[0]} < 0.0 else 0.0")
+            return self._assigned(f"{values[0]} > 0.0 ? 1.0 : {values[0]} < 0.0 ? -1.0 : 0.0")
         if isinstance(e, classes.MathFunction) and e._name in FUNCTIONS:
             return self._assigned(f"{FUNCTIONS[e._name]}({values[0]})")
         raise ValueError(f"a pointwise law cannot contain UFL's {kind}: {e}")
@@ -207,8 +207,8 @@ class StraightLine:
             return f"({a} {COMPARISONS[kind]} {b})"
         conditions = [self._condition(operand, indices) for operand in operands]
         if isinstance(e, classes.NotCondition):
-            return f"(not {conditions[0]})"
-        return f"({(' and ' if isinstance(e, classes.AndCondition) else ' or ').join(conditions)})"
+            return f"(!{conditions[0]})"
+        return f"({(' && ' if isinstance(e, classes.AndCondition) else ' || ').join(conditions)})"
 
     def _sum(self, a: str, b: str) -> str:
         return b if a == "0.0" else a if b == "0.0" else self._assigned(f"{a} + {b}")
@@ -216,8 +216,13 @@ class StraightLine:
     def _assigned(self, text: str) -> str:
         if text not in self._variables:
             self._variables[text] = f"t{len(self._variables)}"
-            self.lines.append(f"{self._variables[text]} = {text}")
+            self.lines.append(f"const double {self._variables[text]} = {text};")
         return self._variables[text]
+
+
+def _number(value: float) -> str:
+    text = repr(value)
+    return {"inf": "INFINITY", "-inf": "-INFINITY", "nan": "NAN"}.get(text, text)
 
 
 def straight_line(names: Mapping[Expr, str], outputs: Sequence[tuple[Expr, Component]]) -> tuple[list[str], list[str]]:

@@ -1,4 +1,7 @@
-"""Python source of the loops over points of a law, generated from its UFL expression and UFL's derivatives."""
+"""C source of the loops over points of a law, printed from its UFL expression and UFL's derivatives.
+
+The functions are those of `FrictionCode` and `PressureCode` in `core/law.hpp`.
+"""
 
 from __future__ import annotations
 
@@ -11,123 +14,110 @@ from wheelrail.contact.laws.normal import NormalLaw
 if TYPE_CHECKING:
     from ufl.core.expr import Expr
 
-HEAD = "import math\n\nimport numpy as np\nfrom numba import carray\n"
+HEAD = """#include <math.h>
+
+#define numbers const double *restrict
+#define results double *restrict
+
+const long parameters = {count};
+"""
 
 FRICTION = """
-DEPENDS_ON_SPEED, DEPENDS_ON_PRESSURE = {depends}
+const long depends_on_speed = {depends[0]:d}, depends_on_pressure = {depends[1]:d};
 
-
-def coefficient(w, p, parameters):
-    out = np.empty(len(p))
-{parameters}
-    for i in range(len(p)):
-        w_, p_ = w[i], p[i]
+void coefficient(long n, numbers w, numbers p, numbers own, results mu)
+{{
+    for (long i = 0; i < n; ++i) {{
+        const double w_ = w[i], p_ = p[i];
 {coefficient}
-        out[i] = {coefficient_out}
-    return out
+        mu[i] = {coefficient_out[0]};
+    }}
+}}
 
-
-def residual(q, s, p, rho, speed, eps, parameters):
-    n = len(p)
-    bound, F, total = np.empty(n), np.empty((2, n)), 0.0
-{parameters}
-    for i in range(n):
-        q0, q1, s0, s1, p_, rho_ = q[0, i], q[1, i], s[0, i], s[1, i], p[i], rho[i]
+void residual(long n, numbers q, numbers s, numbers p, numbers rho, double speed, double eps, numbers own,
+              results bound, results F)
+{{
+    for (long i = 0; i < n; ++i) {{
+        const double q0 = q[i], q1 = q[n + i], s0 = s[i], s1 = s[n + i], p_ = p[i], rho_ = rho[i];
 {residual}
-        bound[i], F[0, i], F[1, i] = {residual_out}
-        total += F[0, i] * F[0, i] + F[1, i] * F[1, i]
-    return bound, F, math.sqrt(total)
+        bound[i] = {residual_out[0]}, F[i] = {residual_out[1]}, F[n + i] = {residual_out[2]};
+    }}
+}}
 
-
-def mean_residual(q, s, p, rho, speed, eps, parameters, out):
-{parameters}
-    for i in range(q.shape[1]):
-        q0, q1, s0, s1, low, high, rho_ = q[0, i], q[1, i], s[0, i], s[1, i], p[0, i], p[1, i], rho[i]
-{mean_residual}
-        out[0, i], out[1, i] = {mean_residual_out}
-
-
-def mean_residual_at(q, s, p, rho, counts, numbers, parameters, out):
-    n, own = carray(counts, (2,))
-    speed, eps = carray(numbers, (2,))
-    mean_residual(
-        carray(q, (2, n)), carray(s, (2, n)), carray(p, (2, n)), carray(rho, (n,)), speed, eps,
-        carray(parameters, (own,)), carray(out, (2, n)),
-    )
-
-
-def bounds(s, p, speed, parameters, out):
-{parameters}
-    for i in range(len(p)):
-        s0, s1, p_ = s[0, i], s[1, i], p[i]
-{bound}
-        out[i] = {bound_out}
-
-
-def bounds_at(s, p, counts, speed, parameters, out):
-    n, own = carray(counts, (2,))
-    bounds(carray(s, (2, n)), carray(p, (n,)), speed[0], carray(parameters, (own,)), carray(out, (n,)))
-
-
-def bounded_residual(q, s, bound, rho, eps):
-    n = len(bound)
-    F, total = np.empty((2, n)), 0.0
-    for i in range(n):
-        q0, q1, s0, s1, b_, rho_ = q[0, i], q[1, i], s[0, i], s[1, i], bound[i], rho[i]
+void bounded_residual(long n, numbers q, numbers s, numbers bound, numbers rho, double eps, results F)
+{{
+    for (long i = 0; i < n; ++i) {{
+        const double q0 = q[i], q1 = q[n + i], s0 = s[i], s1 = s[n + i], b_ = bound[i], rho_ = rho[i];
 {bounded}
-        F[0, i], F[1, i] = {bounded_out}
-        total += F[0, i] * F[0, i] + F[1, i] * F[1, i]
-    return F, math.sqrt(total)
+        F[i] = {bounded_out[0]}, F[n + i] = {bounded_out[1]};
+    }}
+}}
 
-
-def slopes(index, q, s, p, rho, speed, eps, parameters):
-    out = np.empty((len(index), 12))
-{parameters}
-    for k in range(len(index)):
-        i = index[k]
-        q0, q1, s0, s1, p_, rho_ = q[0, i], q[1, i], s[0, i], s[1, i], p[i], rho[i]
+void slopes(long k, const long *index, long n, numbers q, numbers s, numbers p, numbers rho, double speed, double eps,
+            numbers own, results rows)
+{{
+    for (long j = 0; j < k; ++j) {{
+        const long i = index[j];
+        const double q0 = q[i], q1 = q[n + i], s0 = s[i], s1 = s[n + i], p_ = p[i], rho_ = rho[i];
+        double *row = rows + 12 * j;
 {slopes}
-        {slopes_out}
-    return out
+{slopes_row}
+    }}
+}}
 
-
-def mean_slopes(q, s, p, rho, speed, eps, parameters, out):
-{parameters}
-    for i in range(q.shape[1]):
-        q0, q1, s0, s1, low, high, rho_ = q[0, i], q[1, i], s[0, i], s[1, i], p[0, i], p[1, i], rho[i]
-{mean_slopes}
-        {mean_slopes_out}
-
-
-def mean_slopes_at(q, s, p, rho, counts, numbers, parameters, out):
-    n, own = carray(counts, (2,))
-    speed, eps = carray(numbers, (2,))
-    mean_slopes(
-        carray(q, (2, n)), carray(s, (2, n)), carray(p, (2, n)), carray(rho, (n,)), speed, eps,
-        carray(parameters, (own,)), carray(out, (n, 14)),
-    )
-
-
-def bounded_slopes(index, q, s, bound, rho, eps):
-    out = np.zeros((len(index), 12))
-    for k in range(len(index)):
-        i = index[k]
-        q0, q1, s0, s1, b_, rho_ = q[0, i], q[1, i], s[0, i], s[1, i], bound[i], rho[i]
+void bounded_slopes(long k, const long *index, long n, numbers q, numbers s, numbers bound, numbers rho, double eps,
+                    results rows)
+{{
+    for (long j = 0; j < k; ++j) {{
+        const long i = index[j];
+        const double q0 = q[i], q1 = q[n + i], s0 = s[i], s1 = s[n + i], b_ = bound[i], rho_ = rho[i];
+        double *row = rows + 12 * j;
 {bounded_slopes}
-        {bounded_slopes_out}
-    return out
+{bounded_slopes_row}
+        row[8] = row[9] = row[10] = row[11] = 0.0;
+    }}
+}}
+
+void mean_residual(long n, numbers q, numbers s, numbers p, numbers rho, double speed, double eps, numbers own,
+                   results F)
+{{
+    for (long i = 0; i < n; ++i) {{
+        const double q0 = q[i], q1 = q[n + i], s0 = s[i], s1 = s[n + i], low = p[i], high = p[n + i], rho_ = rho[i];
+{mean_residual}
+        F[i] = {mean_residual_out[0]}, F[n + i] = {mean_residual_out[1]};
+    }}
+}}
+
+void mean_slopes(long n, numbers q, numbers s, numbers p, numbers rho, double speed, double eps, numbers own,
+                 results rows)
+{{
+    for (long i = 0; i < n; ++i) {{
+        const double q0 = q[i], q1 = q[n + i], s0 = s[i], s1 = s[n + i], low = p[i], high = p[n + i], rho_ = rho[i];
+        double *row = rows + 14 * i;
+{mean_slopes}
+{mean_slopes_row}
+    }}
+}}
+
+void bounds(long n, numbers s, numbers p, double speed, numbers own, results bound)
+{{
+    for (long i = 0; i < n; ++i) {{
+        const double s0 = s[i], s1 = s[n + i], p_ = p[i];
+{bound}
+        bound[i] = {bound_out[0]};
+    }}
+}}
 """
 
 PRESSURE = """
-
-def pressure(d, parameters):
-    p, slope = np.empty(len(d)), np.empty(len(d))
-{parameters}
-    for i in range(len(d)):
-        d_ = d[i]
+void pressure(long n, numbers d, numbers own, results p, results slope)
+{{
+    for (long i = 0; i < n; ++i) {{
+        const double d_ = d[i];
 {pressure}
-        p[i], slope[i] = {pressure_out}
-    return p, slope
+        p[i] = {pressure_out[0]}, slope[i] = {pressure_out[1]};
+    }}
+}}
 """
 
 VECTOR: list[tuple[int, ...]] = [(0,), (1,)]
@@ -136,7 +126,7 @@ COMPONENTS: dict[str, list[tuple[int, ...]]] = {"q": MATRIX, "s": MATRIX, "p": V
 
 
 def friction_source(law: FrictionLaw) -> str:
-    """Source of the functions of `wheelrail.contact.laws.pointwise.FrictionFunctions` for all laws of a class.
+    """Source of the functions of all friction laws of a class.
 
     F = q - b y / max(|y|, b rho + eps) and its slopes, b = mu p; with given bounds b, and in the mean of cells, too.
     """
@@ -147,7 +137,7 @@ def friction_source(law: FrictionLaw) -> str:
 
     symbols = pointwise.Symbols()
     own = {name: symbols.new() for name in parameters(law)}
-    names: dict[Expr, str] = {symbol: f"own_{name}" for name, symbol in own.items()}
+    names: dict[Expr, str] = {symbol: f"own[{i}]" for i, symbol in enumerate(own.values())}
 
     def variable(name: str, shape: tuple[int, ...] = ()) -> Expr:
         symbol = symbols.new(shape)
@@ -167,21 +157,16 @@ def friction_source(law: FrictionLaw) -> str:
     dF = {name: diff(F, x) for name, x in (("q", q), ("s", s), ("p", p), ("V", V))}
     by_vectors = [(diff(H, x), i) for x in (q, s) for i in MATRIX]
     by_numbers = [(diff(H, x), i) for x in (*ends, V) for i in VECTOR]
-    return HEAD + FRICTION.format(
+    return HEAD.format(count=len(own)) + FRICTION.format(
         depends=depends,
-        parameters=_block((f"own_{name} = parameters[{i}]" for i, name in enumerate(own)), 4),
         **_loop("coefficient", names, [(pointwise.lowered(mu), ())]),
-        **_loop(
-            "residual",
-            names,
-            [(pointwise.lowered(bound), ()), *((pointwise.lowered(F), i) for i in VECTOR)],
-        ),
+        **_loop("residual", names, [(pointwise.lowered(bound), ()), *((pointwise.lowered(F), i) for i in VECTOR)]),
         **_loop("bound", names, [(pointwise.lowered(bound), ())]),
         **_loop("mean_residual", names, [(pointwise.lowered(H), i) for i in VECTOR]),
-        **_loop("mean_slopes", names, [*by_vectors, *by_numbers], "i"),
+        **_loop("mean_slopes", names, [*by_vectors, *by_numbers]),
         **_loop("bounded", names, [(pointwise.lowered(G), i) for i in VECTOR]),
-        **_loop("slopes", names, [(dF[x], i) for x, at in COMPONENTS.items() for i in at], "k"),
-        **_loop("bounded_slopes", names, [(diff(G, x), i) for x in (q, s) for i in MATRIX], "k"),
+        **_loop("slopes", names, [(dF[x], i) for x, at in COMPONENTS.items() for i in at]),
+        **_loop("bounded_slopes", names, [(diff(G, x), i) for x in (q, s) for i in MATRIX]),
     )
 
 
@@ -196,26 +181,20 @@ def pressure_source(law: NormalLaw) -> str:
     symbol = symbols.new()
     d = ufl.variable(symbol)
     p = pointwise.evaluated(pointwise.with_parameters(law, own), "pressure", d)
-    names = {symbol: "d_", **{constant: f"own_{name}" for name, constant in own.items()}}
-    return HEAD + PRESSURE.format(
-        parameters=_block((f"own_{name} = parameters[{i}]" for i, name in enumerate(own)), 4),
-        **_loop("pressure", names, [(pointwise.lowered(p), ()), (pointwise.derivative(p, d), ())]),
+    names = {symbol: "d_", **{constant: f"own[{i}]" for i, constant in enumerate(own.values())}}
+    return HEAD.format(count=len(own)) + PRESSURE.format(
+        **_loop("pressure", names, [(pointwise.lowered(p), ()), (pointwise.derivative(p, d), ())])
     )
 
 
-def _loop(
-    name: str, names: dict[Expr, str], outputs: list[tuple[Expr, tuple[int, ...]]], row: str = ""
-) -> dict[str, str]:
-    """Body of a loop, and its results as a tuple or as the entries of a row of `out`."""
+def _loop(name: str, names: dict[Expr, str], outputs: list[tuple[Expr, tuple[int, ...]]]) -> dict[str, str | list[str]]:
+    """Body of a loop, its results, and these as the entries of a row."""
     from wheelrail.forms.pointwise import straight_line
 
-    lines, results = straight_line(names, outputs)
-    if row:
-        text = "\n        ".join(f"out[{row}, {j}] = {result}" for j, result in enumerate(results))
-    else:
-        text = ", ".join(results)
-    return {name: _block(lines, 8), f"{name}_out": text}
+    lines, values = straight_line(names, outputs)
+    row = _block(f"row[{j}] = {value};" for j, value in enumerate(values))
+    return {name: _block(lines), f"{name}_out": values, f"{name}_row": row}
 
 
-def _block(lines: Iterable[str], indent: int) -> str:
-    return "\n".join(" " * indent + line for line in lines)
+def _block(lines: Iterable[str]) -> str:
+    return "\n".join(" " * 8 + line for line in lines)

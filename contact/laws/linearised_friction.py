@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wheelrail.bindings._contact import assembled_columns
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.support.arrays import Array, Mask
-from wheelrail.support.compiled import compiled
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,8 @@ class LinearisedFriction:
             laws: of the interface.
             speed: m/s.
         """
-        q, s, eps = np.ascontiguousarray(q), np.ascontiguousarray(s), laws.regularisation
+        q, s, p, rho = (np.ascontiguousarray(part) for part in (q, s, p, rho))
+        eps = laws.regularisation
         slopes = laws.pointwise_friction.slopes(np.arange(len(p)), q, s, p, rho, speed, eps).T
         bound = laws.friction_bound(p, np.hypot(*s), speed)
         return cls(
@@ -60,7 +61,6 @@ class LinearisedFriction:
         return np.asarray((self.by_pressure[..., None] * change).reshape(-1, change.shape[1]))
 
 
-@compiled
 def assembled(slopes: Array, slip: Array, slope: Array) -> Array:
     """dF/dq (2 k, 2 k) of k points, in the order of columns for LAPACK.
 
@@ -69,20 +69,4 @@ def assembled(slopes: Array, slip: Array, slope: Array) -> Array:
         slip: ds/dq (2 k, 2 k) 1/Pa.
         slope: dp/dq (k, 2 k), empty without coupling.
     """
-    k = len(slopes)
-    transposed = np.empty((2 * k, 2 * k))
-    for i in range(k):
-        xx, xy, yx, yy = slopes[i, 4], slopes[i, 5], slopes[i, 6], slopes[i, 7]
-        px, py = slopes[i, 8], slopes[i, 9]
-        for c in range(2 * k):
-            sx, sy = slip[i, c], slip[k + i, c]
-            transposed[c, i] = xx * sx + xy * sy
-            transposed[c, k + i] = yx * sx + yy * sy
-            if len(slope):
-                transposed[c, i] += px * slope[i, c]
-                transposed[c, k + i] += py * slope[i, c]
-        transposed[i, i] += slopes[i, 0]
-        transposed[k + i, i] += slopes[i, 1]
-        transposed[i, k + i] += slopes[i, 2]
-        transposed[k + i, k + i] += slopes[i, 3]
-    return transposed.T
+    return np.asarray(assembled_columns(slopes, np.ascontiguousarray(slip), np.ascontiguousarray(slope)).T)

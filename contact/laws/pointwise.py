@@ -1,47 +1,36 @@
-"""Laws as compiled loops over points, generated from their UFL expressions.
+"""Laws as functions in C over points, generated from their UFL expressions.
 
-UFL is imported only where no generated source is cached: sources of the laws of this package are stored beside the
-machine code, with a hash of what generates them; those of other laws are generated once in each process.
+UFL and the compiler are needed only where no library is cached: those of the laws of this package are stored with a
+hash of what generates them; sources of other laws are generated in each process.
 """
 
 from __future__ import annotations
 
 import hashlib
-import sys
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from numba import types
 
+from wheelrail.bindings._contact import FrictionCode, PressureCode
 from wheelrail.contact.laws.code_generation import friction_source, pressure_source
 from wheelrail.contact.laws.friction import Coulomb, FallingFriction, FrictionLaw, Stribeck, parameters
 from wheelrail.contact.laws.normal import NormalLaw, Penalty, PowerPenalty
+from wheelrail.support import c_library
 from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.cache import source_digest
-from wheelrail.support.compiled import address, compiled
-from wheelrail.support.machine_code import folder
 
-NUMBERS = types.CPointer(types.float64)
-COUNTS = types.CPointer(types.int64)
-AT_POINTS = types.void(*[NUMBERS] * 4, COUNTS, *[NUMBERS] * 3)
-BOUNDS_AT_POINTS = types.void(*[NUMBERS] * 2, COUNTS, *[NUMBERS] * 3)
+Code = TypeVar("Code", FrictionCode, PressureCode)
+
 GENERATORS = Path(__file__).parent, Path(__file__).parents[2] / "forms"  # folders of what generates sources
-WITHOUT_UFL = "none"  # in place of UFL's stamp
+WITHOUT_UFL = "none"  # in place of the stamp of UFL and the compiler
 # A law of each class, with any constants: they are arguments of the generated functions.
 FRICTION_LAWS: tuple[FrictionLaw, ...] = Coulomb(), FallingFriction.polach(), Stribeck(0.3, 0.2, 1.0)
 NORMAL_LAWS: tuple[NormalLaw, ...] = Penalty(), PowerPenalty(1e12, 2.0)
-FRICTION = (
-    *("coefficient", "residual", "bounded_residual", "slopes", "bounded_slopes"),
-    *("mean_residual", "mean_slopes", "bounds"),
-)
 VELOCITIES = np.array([0.0, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 10.0, 100.0])  # m/s, at which laws are checked
 PRESSURES = np.array([0.0, 1.0, 1e6, 1e9, 5e9])  # Pa, likewise
 
@@ -51,44 +40,34 @@ class FrictionFunctions:
     """Friction law at n points: F = q - b y / max(|y|, b rho + eps), y = rho q - s, b = mu(|s| V, p) p, and its slopes.
 
     Arguments are q (2, n) Pa, s (2, n) over the rolling speed V = speed m/s, p (n,) Pa, rho (n,) 1/Pa, the regularising
-    creepage eps, given bounds b (n,) Pa, and indices (k,) of points.
+    creepage eps, given bounds b (n,) Pa, and indices (k,) of points; arrays of two dimensions in C order.
     """
 
-    code: ModuleType = field(repr=False)
+    code: FrictionCode = field(repr=False)
     parameters: Array
-    depends_on_speed: bool
-    depends_on_pressure: bool
+
+    @property
+    def depends_on_speed(self) -> bool:
+        return self.code.depends_on_speed
+
+    @property
+    def depends_on_pressure(self) -> bool:
+        return self.code.depends_on_pressure
 
     def coefficient(self, w: Array, p: Array) -> Array:
         """Friction coefficient (n,) at slip velocities w (n,) m/s and pressures p (n,) Pa."""
+        w, p = np.ascontiguousarray(w, dtype=float), np.ascontiguousarray(p, dtype=float)
         return np.asarray(self.code.coefficient(w, p, self.parameters))
 
     def residual(
         self, q: Array, s: Array, p: Array, rho: Array, speed: float, eps: float
     ) -> tuple[Array, Array, float]:
         """Bounds (n,) Pa, F (2, n) Pa and its norm."""
-        bound, F, norm = self.code.residual(q, s, p, rho, speed, eps, self.parameters)
-        return bound, F, norm
-
-    @cached_property
-    def residual_address(self) -> int:
-        """Address of the mean residual of cells for `wheelrail.contact.laws.residual_call`."""
-        return address(self.code.mean_residual_at, AT_POINTS)
-
-    @cached_property
-    def slopes_address(self) -> int:
-        """Address of its slopes, likewise."""
-        return address(self.code.mean_slopes_at, AT_POINTS)
-
-    @cached_property
-    def bounds_address(self) -> int:
-        """Address of the bounds, likewise."""
-        return address(self.code.bounds_at, BOUNDS_AT_POINTS)
+        return self.code.residual(q, s, p, rho, speed, eps, self.parameters)
 
     def bounded_residual(self, q: Array, s: Array, b: Array, rho: Array, eps: float) -> tuple[Array, float]:
         """F (2, n) Pa and its norm for given bounds."""
-        F, norm = self.code.bounded_residual(q, s, b, rho, eps)
-        return F, norm
+        return self.code.bounded_residual(q, s, b, rho, eps)
 
     def slopes(self, index: Nodes, q: Array, s: Array, p: Array, rho: Array, speed: float, eps: float) -> Array:
         """dF/dq, dF/ds (2, 2 each), dF/dp and dF/dV (2 each) in rows (k, 12)."""
@@ -103,12 +82,11 @@ class FrictionFunctions:
 class PressureFunction:
     """Normal law at n points: pressures (n,) Pa and their slopes (n,) Pa/m from penetrations (n,) m."""
 
-    code: ModuleType = field(repr=False)
+    code: PressureCode = field(repr=False)
     parameters: Array
 
     def __call__(self, penetration: Array) -> tuple[Array, Array]:
-        p, slope = self.code.pressure(penetration, self.parameters)
-        return p, slope
+        return self.code.pressure(np.ascontiguousarray(penetration), self.parameters)
 
 
 def friction_functions(law: FrictionLaw) -> FrictionFunctions:
@@ -124,8 +102,7 @@ def friction_functions(law: FrictionLaw) -> FrictionFunctions:
 @cache
 def _friction(law: FrictionLaw) -> FrictionFunctions:
     values = np.array(list(parameters(law).values()))
-    code = _code("friction", law, friction_source, FRICTION)
-    functions = FrictionFunctions(code, values, code.DEPENDS_ON_SPEED, code.DEPENDS_ON_PRESSURE)
+    functions = FrictionFunctions(_code("friction", law, friction_source, FrictionCode), values)
     if not is_shipped(law):
         _check_friction(law, functions)
     return functions
@@ -140,7 +117,7 @@ def pressure_function(law: NormalLaw) -> PressureFunction:
 @cache
 def _pressure(law: NormalLaw) -> PressureFunction:
     values = np.array(list(parameters(law).values()))
-    function = PressureFunction(_code("normal", law, pressure_source, ("pressure",)), values)
+    function = PressureFunction(_code("normal", law, pressure_source, PressureCode), values)
     if not is_shipped(law):
         depth = np.array([-1e-3, -1e-9, 0.0, 1e-9, 1e-6, 1e-4])
         p, slope = function(depth)
@@ -175,75 +152,46 @@ def is_shipped(law: object) -> bool:
     return type(law).__module__.startswith("wheelrail.contact.laws.")
 
 
-_codes: dict[tuple[str, type], ModuleType] = {}
+_codes: dict[tuple[str, type], Any] = {}
 
 
-def _code(kind: str, law: Any, source: Callable[[Any], str], functions: tuple[str, ...]) -> ModuleType:
-    """Compiled functions of a law's class; parameters are their arguments, so that one code serves all values."""
+def _code(kind: str, law: Any, source: Callable[[Any], str], load: Callable[[str], Code]) -> Code:
+    """Functions of a law's class; constants are their arguments, so that one code serves all values."""
     key = kind, type(law)
     if key not in _codes:
-        text, path = _source(kind, law, source)
-        code = ModuleType(f"wheelrail_law_{path.stem}")
-        sys.modules[code.__name__] = code  # machine code is loaded by the name of its module
-        exec(compile(text, path.name, "exec"), code.__dict__)
-        for name in functions:
-            setattr(code, name, compiled(getattr(code, name), error_model="numpy"))
-        _codes[key] = code
-    return _codes[key]
+        name, text = _named(kind, law, source)
+        _codes[key] = c_library.loaded(name, text, load)
+    code: Code = _codes[key]
+    return code
 
 
-def _source(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Path]:
-    """Source of a law's class, from the cache if possible, and its file."""
-    place = folder()
+def _named(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Callable[[], str]]:
+    """Name of the library of a law's class, and its source, which is called if the library is not stored."""
     if is_shipped(law):
-        path = (place or Path()) / _file_name(f"{kind}_{type(law).__name__}", _ufl_stamp())
-        text = _stored(path)
-        if text is not None:
-            return text, path
-        text = _with_checksum(source(law))
-    else:
-        text = _with_checksum(source(law))
-        path = (place or Path()) / f"{kind}_{hashlib.sha256(text.encode()).hexdigest()[:16]}.generated"
-    if place is not None and _stored(path) is None:
-        with suppress(OSError), atomic_file(path) as part:
-            part.write_text(text, encoding="utf-8")
-    return text, path
+        return _name_of(kind, law, _stamp()), lambda: source(law)
+    text = source(law)
+    return f"{kind}_{hashlib.sha256(text.encode()).hexdigest()[:16]}_{c_library.compiler_stamp()}", lambda: text
 
 
-def _file_name(law: str, stamp: str) -> str:
-    return f"{law}_{source_digest(*GENERATORS)}_{stamp}.generated"
+def _name_of(kind: str, law: object, stamp: str) -> str:
+    return f"{kind}_{type(law).__name__}_{source_digest(*GENERATORS)}_{stamp}"
 
 
-def store_sources(place: Path) -> None:
-    """Write the sources of all laws of this package into a folder of machine code, for processes without UFL.
+def store_libraries(cache_folder: Path) -> None:
+    """Put the libraries of all laws of this package into a cache, for processes without UFL and a compiler.
 
-    Parameters:
-        place: becomes `wheelrail.support.compiled.folder` of these processes.
-
-    Raises OSError.
+    Raises OSError, CompilerFailed.
     """
-    sources = {f"friction_{type(law).__name__}": friction_source(law) for law in FRICTION_LAWS}
-    sources |= {f"normal_{type(law).__name__}": pressure_source(law) for law in NORMAL_LAWS}
-    for name, source in sources.items():
-        (place / _file_name(name, WITHOUT_UFL)).write_text(_with_checksum(source), encoding="utf-8")
+    sources = [("friction", law, friction_source(law)) for law in FRICTION_LAWS]
+    sources += [("normal", law, pressure_source(law)) for law in NORMAL_LAWS]
+    for kind, law, text in sources:
+        c_library.write(_name_of(kind, law, WITHOUT_UFL), text, cache_folder)
 
 
-def _ufl_stamp() -> str:
-    """Hash that changes with the installed version of UFL, which orders sums; UFL is not imported."""
+def _stamp() -> str:
+    """Hash that changes with the compiler and the version of UFL, which orders sums; UFL is not imported."""
     spec = find_spec("ufl")
     if spec is None or spec.origin is None:
         return WITHOUT_UFL
-    return hashlib.sha256(f"{spec.origin} {Path(spec.origin).stat().st_mtime_ns}".encode()).hexdigest()[:8]
-
-
-def _with_checksum(text: str) -> str:
-    return f"# {hashlib.sha256(text.encode()).hexdigest()}\n{text}"
-
-
-def _stored(path: Path) -> str | None:
-    """Source in a file, which begins with its checksum; None if missing or damaged."""
-    with suppress(OSError, ValueError):
-        text = path.read_text(encoding="utf-8")
-        if text == _with_checksum(text.partition("\n")[2]):
-            return text
-    return None
+    ufl = f"{spec.origin} {Path(spec.origin).stat().st_mtime_ns}"
+    return f"{hashlib.sha256(ufl.encode()).hexdigest()[:8]}_{c_library.compiler_stamp()}"

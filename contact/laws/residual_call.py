@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numba import types
+from numba.extending import intrinsic
 
 from wheelrail.contact.laws.pointwise import FrictionFunctions
-from wheelrail.support.arrays import Array, Nodes
-from wheelrail.support.compiled import call, compiled
+from wheelrail.support.arrays import Array
+from wheelrail.support.compiled import compiled
 
 
 class ResidualCode(NamedTuple):
@@ -28,8 +30,22 @@ class ResidualCode(NamedTuple):
 
     @classmethod
     def of(cls, functions: FrictionFunctions, regularisation: float) -> ResidualCode:
-        addresses = functions.residual_address, functions.slopes_address, functions.bounds_address
-        return cls(*addresses, functions.parameters, regularisation)
+        return cls(*functions.code.addresses, functions.parameters, regularisation)
+
+
+@intrinsic  # type: ignore[untyped-decorator]
+def call(context: Any, at: Any, arguments: Any) -> Any:
+    """Compiled: call of the function at an address, with addresses, numbers of 64 bits and doubles."""
+
+    def generate(ctx: Any, builder: Any, _: Any, values: Any) -> Any:
+        from llvmlite import ir
+
+        given = [builder.extract_value(values[1], i) for i in range(len(arguments))]
+        function = ir.FunctionType(ir.VoidType(), [value.type for value in given]).as_pointer()
+        builder.call(builder.inttoptr(values[0], function), given)
+        return ctx.get_dummy_value()
+
+    return types.void(at, arguments), generate
 
 
 @compiled
@@ -45,8 +61,7 @@ def friction_residual(law: ResidualCode, q: Array, s: Array, p: Array, rho: Arra
         speed: m/s, of rolling.
     """
     F = np.empty_like(q)
-    counts, numbers = np.array([len(rho), len(law.parameters)]), np.array([speed, law.regularisation])
-    _write(law.address, q, s, p, rho, counts, numbers, law.parameters, F)
+    _write(law.address, q, s, p, rho, speed, law.regularisation, law.parameters, F)
     return F
 
 
@@ -54,8 +69,7 @@ def friction_residual(law: ResidualCode, q: Array, s: Array, p: Array, rho: Arra
 def friction_slopes(law: ResidualCode, q: Array, s: Array, p: Array, rho: Array, speed: float) -> Array:
     """Slopes (n, 14) of `friction_residual` by q, s (2, 2 each), both pressures and the speed (2 each)."""
     slopes = np.empty((len(rho), 14))
-    counts, numbers = np.array([len(rho), len(law.parameters)]), np.array([speed, law.regularisation])
-    _write(law.slopes_address, q, s, p, rho, counts, numbers, law.parameters, slopes)
+    _write(law.slopes_address, q, s, p, rho, speed, law.regularisation, law.parameters, slopes)
     return slopes
 
 
@@ -69,22 +83,21 @@ def friction_bounds(law: ResidualCode, s: Array, p: Array, speed: float) -> Arra
         p: (n,) Pa, pressures.
         speed: V, m/s.
     """
-    bounds, counts = np.empty_like(p), np.array([len(p), len(law.parameters)])
-    _write_bounds(law.bounds_address, s, p, counts, np.array([speed]), law.parameters, bounds)
+    bounds = np.empty_like(p)
+    _write_bounds(law.bounds_address, s, p, speed, law.parameters, bounds)
     return bounds
 
 
 @compiled
-def _write_bounds(address: int, s: Array, p: Array, counts: Nodes, speed: Array, parameters: Array, out: Array) -> None:
+def _write_bounds(address: int, s: Array, p: Array, speed: float, parameters: Array, out: Array) -> None:
     """As `_write`."""
-    points = s.ctypes.data, p.ctypes.data, counts.ctypes.data
-    call(address, (*points, speed.ctypes.data, parameters.ctypes.data, out.ctypes.data))
+    call(address, (len(p), s.ctypes.data, p.ctypes.data, speed, parameters.ctypes.data, out.ctypes.data))
 
 
 @compiled
 def _write(
-    address: int, q: Array, s: Array, p: Array, rho: Array, counts: Nodes, numbers: Array, parameters: Array, out: Array
+    address: int, q: Array, s: Array, p: Array, rho: Array, speed: float, eps: float, parameters: Array, out: Array
 ) -> None:
     """Call a function; as parameters of this one, the arrays outlive the call."""
-    points = q.ctypes.data, s.ctypes.data, p.ctypes.data, rho.ctypes.data
-    call(address, (*points, counts.ctypes.data, numbers.ctypes.data, parameters.ctypes.data, out.ctypes.data))
+    points = len(rho), q.ctypes.data, s.ctypes.data, p.ctypes.data, rho.ctypes.data
+    call(address, (*points, speed, eps, parameters.ctypes.data, out.ctypes.data))

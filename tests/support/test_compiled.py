@@ -15,7 +15,7 @@ import pytest
 from wheelrail.contact.models.standard.polach import polach
 from wheelrail.support.arrays import Array
 from wheelrail.support.compiled import borrowing, compiled
-from wheelrail.support.machine_code import private
+from wheelrail.support.cache_home import private
 
 ROOT = Path(__file__).parents[2]
 USES = "from wheelrail.support.compiled import compiled\n"

@@ -13,7 +13,7 @@ import tomli_w
 
 import wheelrail
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.contact.laws.pointwise import store_sources
+from wheelrail.contact.laws.pointwise import store_libraries
 from wheelrail.export.warm_up import SCENE, warm_up
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import WheelsetScene, load_scene
@@ -78,7 +78,7 @@ def export_runtime(folder: Path, scene_folder: Path) -> None:
     (folder / "requirements.txt").write_text(requirements, encoding="utf-8")
     copied = folder / "machine-code" / machine_code.FOLDER
     machine_code.copy_present(copied)
-    store_sources(copied)
+    store_libraries(folder / "cache")
     _solve(folder, scene_folder)
 
 

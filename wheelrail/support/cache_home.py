@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
@@ -16,6 +17,22 @@ def writable(folder: Path) -> bool:
         TemporaryFile(dir=folder).close()
     except OSError:
         return False
+    return True
+
+
+def private(place: Path) -> bool:
+    """Whether only this user and the administrator can put files into a folder, or exchange one that it is in.
+
+    A group with the number of its user is the user's own. In folders with the sticky bit, like /tmp, only the owner can
+    exchange a folder.
+    """
+    place = place.resolve()
+    for each in (place, *place.parents):
+        status = each.stat()
+        others = status.st_mode & (0o002 if status.st_gid == status.st_uid else 0o022)
+        sticky = each != place and status.st_mode & stat.S_ISVTX
+        if status.st_uid not in (0, os.geteuid()) or (others and not sticky):
+            return False
     return True
 
 

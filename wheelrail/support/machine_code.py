@@ -11,7 +11,6 @@ import hashlib
 import logging
 import os
 import shutil
-import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
@@ -28,7 +27,7 @@ from numba.core.dispatcher import Dispatcher
 from numba.core.extending import _Intrinsic
 
 from wheelrail.support.cache import cache_folder
-from wheelrail.support.cache_home import writable
+from wheelrail.support.cache_home import private, writable
 from wheelrail.support.interrupts import answered_interrupts
 
 FOLDER = "machine-code"
@@ -54,22 +53,6 @@ def _parents() -> Iterator[Path]:
     if config.CACHE_DIR:
         yield Path(config.CACHE_DIR)
     yield cache_folder()
-
-
-def private(place: Path) -> bool:
-    """Whether only this user and the administrator can put files into a folder, or exchange one that it is in.
-
-    A group with the number of its user is the user's own. In folders with the sticky bit, like /tmp, only the owner can
-    exchange a folder.
-    """
-    place = place.resolve()
-    for each in (place, *place.parents):
-        status = each.stat()
-        others = status.st_mode & (0o002 if status.st_gid == status.st_uid else 0o022)
-        sticky = each != place and status.st_mode & stat.S_ISVTX
-        if status.st_uid not in (0, os.geteuid()) or (others and not sticky):
-            return False
-    return True
 
 
 def digest(function: FunctionType) -> str:

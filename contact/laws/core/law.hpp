@@ -76,4 +76,27 @@ inline void friction_bounds(const ResidualCode& law, Rows s, Numbers p, double s
     law.code->bounds(p.size(), s.data, p.data, speed, law.parameters.data, bounds.data);
 }
 
+// dF/dq (2 k, 2 k) of k points, each column in a row, for LAPACK: slopes (k, 12) of the residual, ds/dq (2 k, 2 k)
+// 1/Pa, and dp/dq (k, 2 k), without rows where the pressure does not depend on the tractions.
+inline void assembled(Rows slopes, Rows slip, Rows pressure, View<double, 2> columns) {
+    long k = slopes.size();
+    for (long i = 0; i < k; ++i) {
+        View<const double, 1> own = slopes[i];
+        for (long c = 0; c < 2 * k; ++c) {
+            double x = own[4] * slip(i, c) + own[5] * slip(k + i, c);
+            double y = own[6] * slip(i, c) + own[7] * slip(k + i, c);
+            if (pressure.size()) {
+                x += own[8] * pressure(i, c);
+                y += own[9] * pressure(i, c);
+            }
+            columns(c, i) = x;
+            columns(c, k + i) = y;
+        }
+        columns(i, i) += own[0];
+        columns(k + i, i) += own[1];
+        columns(i, k + i) += own[2];
+        columns(k + i, k + i) += own[3];
+    }
+}
+
 }  // namespace wr

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +17,7 @@ import pytest
 import ufl
 from small_pairs import AT_REST, CREEP, TETRAHEDRA, condensed, full
 
+from wheelrail.bindings._contact import FrictionCode
 from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.contact.laws import pointwise, registry
 from wheelrail.contact.laws.friction import Coulomb, FallingFriction, FrictionLaw, Stribeck
@@ -26,6 +29,7 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.standard.model import StandardContact
+from wheelrail.support import c_library
 from wheelrail.support.arrays import Array
 
 ROOT = Path(__file__).parents[3]
@@ -459,33 +463,77 @@ def test_names_of_laws_and_constants_are_checked() -> None:
         assert error.value.key == key
 
 
-def test_damaged_sources_are_generated_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pointwise, "folder", lambda: tmp_path)
-    law = Stribeck(0.4, 0.2, 0.5)
-    text, path = pointwise._source("friction", law, pointwise.friction_source)
-    assert path.read_text() == text
-    path.write_text(text.replace("math.exp", "-math.exp"))
-    assert pointwise._source("friction", law, pointwise.friction_source) == (text, path)
-    assert path.read_text() == text
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Folder of libraries, of this test only; no law is known yet."""
+    monkeypatch.setenv("WHEELRAIL_CACHE", str(tmp_path))
+    monkeypatch.setattr(pointwise, "_codes", {})
+    return tmp_path / c_library.FOLDER
+
+
+def code(law: FrictionLaw) -> FrictionCode:
+    pointwise._codes.clear()
+    return pointwise._code("friction", law, pointwise.friction_source, FrictionCode)
+
+
+def test_damaged_libraries_are_compiled_again(own_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code(law := Stribeck(0.4, 0.2, 0.5))
+    (path,) = own_cache.iterdir()
+    content = path.read_bytes()
+    for damaged in (content[:-1], content[:3000] + b"x" + content[3001:], b""):
+        path.write_bytes(damaged)
+        code(law)
+        assert path.read_bytes()[-32:] == hashlib.sha256(path.read_bytes()[:-32]).digest()
     monkeypatch.setattr(pointwise, "friction_source", None)  # not called again
-    assert pointwise._source("friction", law, pointwise.friction_source) == (text, path)  # type: ignore[arg-type]
+    assert code(law).depends_on_speed
 
 
-def test_laws_without_a_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pointwise, "folder", lambda: None)
-    text, path = pointwise._source("friction", Rising(), pointwise.friction_source)
-    assert "def residual" in text
-    assert not path.exists()
+def test_laws_without_a_cache(own_cache: Path) -> None:
+    own_cache.touch()  # is no folder
+    w = np.array([0.0, 0.5])
+    mu = code(Rising()).coefficient(w, w, np.array([0.2, 0.1]))
+    np.testing.assert_allclose(mu, 0.2 + 0.1 * np.tanh(w) ** 2, rtol=1e-15)
 
 
-def test_another_version_of_ufl_has_its_own_source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_libraries_that_others_can_write_are_not_loaded(own_cache: Path) -> None:
+    code(law := Stribeck(0.4, 0.2, 0.5))
+    (path,) = own_cache.iterdir()
+    path.write_bytes(b"no library" + hashlib.sha256(b"no library").digest())
+    own_cache.chmod(0o777)
+    assert code(law).depends_on_speed
+    assert path.read_bytes().startswith(b"no library")
+
+
+def test_processes_compile_at_the_same_time(own_cache: Path) -> None:
+    command = "from wheelrail.contact.laws.friction import Stribeck; "
+    command += "from wheelrail.contact.laws.pointwise import friction_functions as f; f(Stribeck(0.4, 0.2, 0.5))"
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    processes = [subprocess.Popen([sys.executable, "-c", command], env=environment) for _ in range(3)]
+    assert [process.wait(60) for process in processes] == [0, 0, 0]
+    assert len(list(own_cache.iterdir())) == 1
+
+
+def test_without_a_compiler(own_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(c_library, "compiler", cache(c_library.compiler.__wrapped__))
+    monkeypatch.setattr(c_library, "compiler_stamp", cache(c_library.compiler_stamp.__wrapped__))
+    monkeypatch.setenv("PATH", str(own_cache))
+    with pytest.raises(c_library.CompilerFailed, match=r"install gcc, or name one in \$CC"):
+        code(Coulomb())
+
+
+def test_another_version_of_ufl_has_its_own_library(own_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Versions of UFL order sums differently: last bits must not depend on which one generated a source first."""
-    monkeypatch.setattr(pointwise, "folder", lambda: tmp_path)
-    law = Stribeck(0.4, 0.2, 0.5)
-    _, first = pointwise._source("friction", law, pointwise.friction_source)
-    other = tmp_path / "ufl.py"
+    code(law := Stribeck(0.4, 0.2, 0.5))
+    other = own_cache / "ufl.py"
     other.touch()
     monkeypatch.setattr(pointwise, "find_spec", lambda _: type("Spec", (), {"origin": str(other)}))
-    _, second = pointwise._source("friction", law, pointwise.friction_source)
-    assert second != first
-    assert len(list(tmp_path.glob("*.generated"))) == 2
+    code(law)
+    assert len(list(own_cache.glob("*.so"))) == 2
+
+
+def test_laws_without_ufl_and_compiler(own_cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pointwise.store_libraries(own_cache.parent)
+    monkeypatch.setattr(pointwise, "find_spec", lambda _: None)
+    monkeypatch.setattr(pointwise, "friction_source", None)
+    monkeypatch.setattr(c_library, "compiler", None)
+    assert [code(law).depends_on_speed for law in pointwise.FRICTION_LAWS] == [False, True, True]
