@@ -23,7 +23,7 @@ void bind_lattice(nb::module_& m) {
     structure<Factors>(m, "Factors",
                        {"lu", "pivots", "rows", "columns", "slips", "slopes", "present", "spread", "gather"},
                        "LU factors of the Jacobian of a state.");
-    structure<Lapack>(m, "Lapack", {"sgetrf", "sgetrs"}, "Addresses of functions of LAPACK.");
+    structure<Lapack>(m, "Lapack", {"sgetrf", "sgetrs", "dgesv"}, "Addresses of functions of LAPACK.");
     structure<KeptFactors>(m, "KeptFactors", {"valid", "factors", "evaluation"},
                            "Factors of an earlier state, and the evaluation of the present one, if they are valid.");
     structure<Limits>(m, "Limits", {"tolerance", "farthest", "iterations"}, "Limits of the iteration.");
