@@ -1,12 +1,167 @@
 // Python's face of the equations of strips and their solution.
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
 
 #include "contact/models/lattice/solver/core/advance.hpp"
+#include "contact/models/lattice/solver/core/renewal.hpp"
+#include "contact/models/lattice/system/core/cells.hpp"
 #include "contact/models/lattice/system/core/contact_lines.hpp"
 #include "structures.hpp"
 
 using namespace wr;
 using namespace nanobind::literals;
+
+namespace {
+
+using Released = nb::call_guard<nb::gil_scoped_release>;
+
+void require(bool fits, const char* text) {
+    if (!fits) throw nb::value_error(text);
+}
+
+void require_values(Rows values, const EquationData& data) {
+    require(data.fits(values), "values: must be (S, block) of the strips of the data");
+}
+
+void bind_system(nb::module_& m) {
+    structure<EquationData>(m, "EquationData", {"tables", "surface", "motion", "places", "basis", "law", "rho"},
+                            "Data of the equations of some strips at a pose; rho (M,) 1/Pa of the friction residual.");
+    structure<StripCells>(
+        m, "StripCells", {"inside", "points", "penetration", "slip", "displacement", "margin", "patch"},
+        "Cells n = S M of S strips, strip by strip from the trailing end: whether all distances lie in the tables; "
+        "points in their middles; undeformed penetration (n,) m; slip (n, 2) over the rolling speed; displacement "
+        "(n, 3) m, upper minus lower body; margin (n,) Pa to the bound of friction; patch (S,) of the strips.");
+    m.def(
+        "evaluate",
+        [](Rows values, const EquationData& data) {
+            require_values(values, data);
+            return evaluate(values, data);
+        },
+        "values"_a, "data"_a, Released(), "`Evaluation` of a state with values (S, block).");
+    m.def(
+        "linearised",
+        [](Rows values, const EquationData& data) {
+            require_values(values, data);
+            return linearised(values, data);
+        },
+        "values"_a, "data"_a, Released(), "`Linearisation` of a state with values (S, block).");
+    m.def(
+        "slopes_of_friction",
+        [](Rows values, const Evaluation& evaluation, const EquationData& data) {
+            require_values(values, data);
+            require(evaluation.slip.shape == std::array{data.strips(), 2L, data.basis.M()},
+                    "evaluation: of another state");
+            return slopes_of_friction(values, evaluation, data);
+        },
+        "values"_a, "evaluation"_a, "data"_a, Released(),
+        "Slopes (S, M, 18) of the friction residual by traction (4), slip (4), speed (2), and the pressure modes (2 "
+        "each); M = 0 without friction.");
+    m.def(
+        "rigid_slip",
+        [](Rows values, const EquationData& data) {
+            require_values(values, data);
+            RigidSlip at(values, data);
+            return std::pair{at.slip, at.slope};
+        },
+        "values"_a, "data"_a, Released(),
+        "Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x.");
+    m.def(
+        "strip_loads",
+        [](Rows values, const StripPlaces& places, const StripBasis& basis, bool rolls) {
+            require(values.shape == std::array{places.middle.size(), basis.block(rolls)}, "values: must be (S, block)");
+            return strip_loads(values, places, basis, rolls);
+        },
+        "values"_a, "places"_a, "basis"_a, "rolls"_a, Released(),
+        "Loads (S, 2) N of strips: lateral tractions, and pressure.");
+    m.def(
+        "resultants",
+        [](Rows values, const EquationData& data) {
+            require_values(values, data);
+            return resultants(values, data);
+        },
+        "values"_a, "data"_a, Released(), "Force N and moment N m about the origin (6,) on the upper body.");
+    m.def(
+        "strip_cells",
+        [](Rows values, const EquationData& data) {
+            require_values(values, data);
+            return strip_cells(values, data);
+        },
+        "values"_a, "data"_a, Released(), "`StripCells` of a state with values (S, block).");
+    m.def(
+        "contact_lines",
+        [](const SurfaceData& surface, const Motion& motion, const Lattice& lattice, double margin, long apart) {
+            require(lattice.middle.size() > 0 && apart > 0, "lattice, apart: at least one strip");
+            return contact_lines(surface, motion, lattice, margin, apart);
+        },
+        "surface"_a, "motion"_a, "lattice"_a, "margin"_a, "apart"_a, Released(),
+        "`ContactLines` of the strips of a lattice; margin m: largest gap between strips that matter; apart: strips "
+        "between those at which the penetration is estimated first.");
+    m.def(
+        "opening",
+        [](double load, double onset, double whole) {
+            auto at = opening(load, onset, whole);
+            return std::pair{at.gap, at.slope};
+        },
+        "load"_a, "onset"_a, "whole"_a,
+        "Mean gap m left on a strip, and its derivative by the load Pa m, amplitude times half length; onset m; whole "
+        "Pa m, the load on the whole width.");
+    m.def(
+        "pressed",
+        [](Numbers depth, Numbers compliance, Numbers onset) {
+            require(compliance.size() == depth.size() && onset.size() == depth.size(), "compliance, onset: as depth");
+            Array<double, 1> roots(depth.size());
+            for (long i = 0; i < roots.size(); ++i) roots(i) = pressed(depth(i), compliance(i), onset(i));
+            return roots;
+        },
+        "depth"_a, "compliance"_a, "onset"_a, Released(),
+        "Touching parts (S,) of the width, or roots of the load over that on the whole width where this is larger: "
+        "penetration depth (S,) m without load, displacement compliance (S,) m under the load on the whole width, and "
+        "onset (S,) m.");
+    m.def(
+        "moved",
+        [](Rows values, Rows step, double factor, Numbers whole) {
+            require(step.shape == values.shape && whole.size() == values.size() && values.shape[1] >= MOMENTS,
+                    "values, step, whole: must be (S, block), (S, block), (S,)");
+            return moved(values, step, factor, whole);
+        },
+        "values"_a, "step"_a, "factor"_a, "whole"_a, Released(),
+        "Values (S, block) after a fraction of a step; whole (S,) Pa m, loads on the whole width.");
+}
+
+void bind_factors(nb::module_& m) {
+    m.def("factorised", &factorised, "at"_a, "solver"_a, Released(),
+          "Whether a Jacobian is regular, and its `Factors`.");
+    m.def(
+        "newton_step",
+        [](const Factors& factors, const Lapack& solver, Rows residual) {
+            require(residual.count() == factors.rows.size(), "residual: must be (S, block)");
+            return newton_step(factors, solver, residual);
+        },
+        "factors"_a, "solver"_a, "residual"_a, Released(),
+        "Step (S, block) that cancels the linearised residual (S, block).");
+    m.def(
+        "solve_transposed",
+        [](const Factors& factors, const Lapack& solver, Rows jacobian, Rows right) {
+            long n = factors.rows.size();
+            require(jacobian.shape == std::array{n, n} && right.shape[1] == n,
+                    "jacobian, right: must be (n, n), (k, n)");
+            return solve_transposed(factors, solver, jacobian, right);
+        },
+        "factors"_a, "solver"_a, "jacobian"_a, "right"_a, Released(),
+        "Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the "
+        "Jacobian (n, n) of factors that are not corrected.");
+    m.def(
+        "renewed",
+        [](const Factors& factors, const Array<double, 3>& slopes, Numbers rho, const Lapack& solver) {
+            require(slopes.shape == factors.slopes.shape && rho.size() == slopes.shape[1],
+                    "slopes: must be (S, M, 18)");
+            return renewed(factors, slopes, rho, solver);
+        },
+        "factors"_a, "slopes"_a, "rho"_a, "solver"_a, Released(),
+        "Factors with the present slopes (S, M, 18) of the friction residual, and before them whether there are any.");
+}
+
+}  // namespace
 
 void bind_lattice(nb::module_& m) {
     structure<StripPlaces>(m, "StripPlaces", {"middle", "width", "stretch", "level", "strip", "onset", "whole"},
@@ -34,4 +189,6 @@ void bind_lattice(nb::module_& m) {
                          "Penetration that remains on unloaded strips.");
     structure<Advance>(m, "Advance", {"progress", "complete", "rest"},
                        "Iterations and what they leave on strips that are not loaded.");
+    bind_system(m);
+    bind_factors(m);
 }

@@ -80,8 +80,15 @@ inline bool fit(const Factors& factors, long strips, long cells, long block) {
 // Factors of a Jacobian, and whether it is regular.
 inline std::pair<bool, Factors> factorised(const Linearisation& at, const Lapack& solver) {
     long S = at.slips.size(), n = at.jacobian.size(), block = n / S;
-    Factors f{Array<float, 2>(n, n), Array<int, 1>(n), Array<double, 1>(n), Array<double, 1>(n),
-              Array<float, 3>(at.slips.shape), at.slopes, at.slopes, Array<float, 2>(n, 0), Array<float, 2>(0, n)};
+    Factors f{Array<float, 2>(n, n),
+              Array<int, 1>(n),
+              Array<double, 1>(n),
+              Array<double, 1>(n),
+              Array<float, 3>(at.slips.shape),
+              at.slopes,
+              at.slopes,
+              Array<float, 2>(n, 0),
+              Array<float, 2>(0, n)};
     for (long i = 0; i < n; ++i) {
         f.rows(i) = i % block < block - MOMENTS ? 1 / STRESS : 1 / GAP;
         f.columns(i) = i % block < block - 2 ? STRESS : LENGTH;
@@ -134,9 +141,9 @@ inline Array<double, 2> newton_step(const Factors& factors, const Lapack& solver
     return step;
 }
 
-// Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the Jacobian (n, n)
-// of factors that are not corrected. Iterative refinement: N. Higham, Accuracy and Stability of Numerical Algorithms,
-// 2002, chapter 12.
+// Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the Jacobian (n,
+// n) of factors that are not corrected. Iterative refinement: N. Higham, Accuracy and Stability of Numerical
+// Algorithms, 2002, chapter 12.
 inline Array<double, 2> solve_transposed(const Factors& factors, const Lapack& solver, Rows jacobian, Rows right) {
     long sides = right.size(), n = right.shape[1];
     Array<double, 2> solution(sides, n), rest = Array<double, 2>::copy(right);

@@ -12,8 +12,8 @@
 
 namespace wr {
 
-constexpr double CHANGED = 0.3;  // of the slopes of a cell, without dimension: with smaller changes steps contract
-constexpr double LARGEST = 0.2;  // rank over unknowns: of higher ones, new factors take less time
+constexpr double CHANGED = 0.3;       // of the slopes of a cell, without dimension: with smaller changes steps contract
+constexpr double LARGEST_RANK = 0.2;  // rank over unknowns: of higher ones, new factors take less time
 
 // Numbers (k,) of the cells whose slopes (S, M, SLOPES) have changed; rho (M,) 1/Pa.
 inline std::vector<long> changed_cells(Blocks before, Blocks after, Numbers rho) {
@@ -67,7 +67,7 @@ inline std::pair<bool, Factors> renewed(const Factors& factors, const Array<doub
     if (changed_cells(factors.present, slopes, rho).empty()) return {false, factors};
     auto cells = changed_cells(factors.slopes, slopes, rho);
     long n = factors.rows.size(), rank = 2 * long(cells.size());
-    if (double(rank) > LARGEST * double(n)) return {false, factors};
+    if (double(rank) > LARGEST_RANK * double(n)) return {false, factors};
     RowChanges rows(factors, slopes, cells);
     back_substitute(factors, solver, rows.picked);
     Factors after = factors;

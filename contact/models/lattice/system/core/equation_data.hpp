@@ -2,12 +2,14 @@
 #pragma once
 #include <tuple>
 
-#include "support/core/arrays.hpp"
+#include "contact/geometry/core/surface.hpp"
+#include "contact/laws/core/law.hpp"
+#include "contact/models/lattice/influence/core/pair_tables.hpp"
 
 namespace wr {
 
-// Slopes of the friction residual of a cell: by traction (4), slip (4), speed (2), and four pressure modes (2 each).
-constexpr int SLOPES = 18;
+// Slopes of the friction residual of a cell: by traction (4), slip (4), speed (2), and pressure modes (2 each).
+constexpr int SLOPES = 10 + 2 * MODES;
 
 // S loaded strips.
 struct StripPlaces {
@@ -25,6 +27,31 @@ struct StripPlaces {
         return width.size() == S && stretch.size() == S && level.shape == std::array{S, 3L} && strip.size() == S &&
                onset.size() == S && whole.size() == S;
     }
+};
+
+// Data of the equations of some strips at a pose.
+struct EquationData {
+    PairTables tables;
+    SurfaceData surface;
+    Motion motion;
+    StripPlaces places;
+    StripBasis basis;
+    ResidualCode law;
+    Numbers rho;  // (M,) 1/Pa, of the friction residual
+
+    auto fields() { return std::tie(tables, surface, motion, places, basis, law, rho); }
+    bool fits() const {
+        bool right = rho.size() == basis.M() && (!rolls() || law.code);
+        for (long k : places.strip) right &= k >= 0 && k < tables.place.size();
+        return right;
+    }
+    bool rolls() const { return motion.speed > 0.0; }
+    long strips() const { return places.middle.size(); }
+    // Column of the first pressure mode of a strip, and number of its unknowns.
+    long mode() const { return rolls() ? 2 * basis.M() : 0; }
+    long block() const { return mode() + MOMENTS; }
+    // Whether values are those of these strips.
+    bool fits(Rows values) const { return values.shape == std::array{strips(), block()}; }
 };
 
 // Residual of a state and what belongs to it.

@@ -1,9 +1,9 @@
 // Strips that touch on a part of their width, and the gap that is left on the rest.
 //
 // At a lateral end of a contact the surfaces separate like y^(3/2), with the distance y, and the load per width rises
-// like y (Johnson, Contact Mechanics, 1985, sec. 4.2). Over a strip of width w that touches on the part c of it the load
-// is c^2 of that at c = 1, and the mean gap (1 - c)^(5/2) of that at c = 0, its onset. Both follow from the undeformed
-// penetration, as those of an ellipse with its end in the strip.
+// like y (Johnson, Contact Mechanics, 1985, sec. 4.2). Over a strip of width w that touches on the part c of it the
+// load is c^2 of that at c = 1, and the mean gap (1 - c)^(5/2) of that at c = 0, its onset. Both follow from the
+// undeformed penetration, as those of an ellipse with its end in the strip.
 #pragma once
 #include <cmath>
 #include <numbers>
@@ -81,8 +81,8 @@ struct PartialWidthChanges {
     auto fields() { return std::tie(onset, whole); }
 };
 
-// Relative derivatives of `partial_widths`, from the penetration depth and places middle (S, 3) m of strips and the next
-// ones on either side, curvature (S,) 1/m, width (S,) m, and derivatives change (S, 3, n) of the penetration.
+// Relative derivatives of `partial_widths`, from the penetration depth and places middle (S, 3) m of strips and the
+// next ones on either side, curvature (S,) 1/m, width (S,) m, and derivatives change (S, 3, n) of the penetration.
 inline PartialWidthChanges partial_width_changes(Rows depth, Numbers curvature, Rows middle, Numbers width,
                                                  Blocks change) {
     long S = depth.size(), n = change.shape[2];
@@ -106,8 +106,8 @@ struct Opening {
 };
 
 // Mean gap m left on a strip, and its derivative by the load, continued to negative loads of trial states: load Pa m,
-// amplitude times half length; onset m; whole Pa m, the load on the whole width. The slope is infinite at no load, where
-// it is held by LEAST_PART.
+// amplitude times half length; onset m; whole Pa m, the load on the whole width. The slope is infinite at no load,
+// where it is held by LEAST_PART.
 inline Opening opening(double load, double onset, double whole) {
     if (load >= whole || whole == 0.0) return {0.0, 0.0};
     double part = std::copysign(std::max(std::sqrt(std::abs(load) / whole), LEAST_PART), load);

@@ -8,11 +8,11 @@
 
 namespace wr {
 
-constexpr double SHORTEST = 0.02;  // of the squared half length, or of the load: the least that remains after one step
-constexpr double LARGE = 0.5;      // step after which a negative load or squared length is no reason to leave
-constexpr double VANISHED = 5e-3;  // half length over the largest one: of a penetration of some 1e-5 of the approach
-constexpr double LONGEST = 3.0;    // largest relative growth of a squared half length in one step
-constexpr double SHRUNK = 0.7;     // largest relative decrease of that of a long strip
+constexpr double SHORTEST = 0.02;   // of the squared half length, or of the load: the least that remains after one step
+constexpr double LARGE_STEP = 0.5;  // step after which a negative load or squared length is no reason to leave
+constexpr double VANISHED = 5e-3;   // half length over the largest one: of a penetration of some 1e-5 of the approach
+constexpr double LONGEST = 3.0;     // largest relative growth of a squared half length in one step
+constexpr double SHRUNK = 0.7;      // largest relative decrease of that of a long strip
 constexpr double LEAST_PRESSURE = 1e3;  // Pa, to which steps are related at least
 constexpr double INFINITE = std::numeric_limits<double>::infinity();
 
@@ -38,8 +38,8 @@ inline double remaining_load(double factor, double load, double whole) {
 }
 
 // Values after a fraction of a step; whole (S,) Pa m, loads on the whole width. The steps are taken in the squared half
-// length and in loads per width, or in their roots where a strip touches on a part of its width: these are nearly linear
-// in the penetration in excess.
+// length and in loads per width, or in their roots where a strip touches on a part of its width: these are nearly
+// linear in the penetration in excess.
 inline Array<double, 2> moved(Rows values, Rows step, double factor, Numbers whole) {
     Array<double, 2> after(values.shape);
     long last = values.shape[1] - 1, first = last - 1 - MODES;
@@ -124,7 +124,7 @@ inline Array<bool, 1> leaving(Rows values, Rows step, double size, Numbers whole
             double rest = std::min(load + more * half + amplitude * change, load * (1.0 + 2.0 * change / half));
             vanishes = rest <= -whole(i);
         }
-        leaves(i) = vanishes && (size < LARGE || half < VANISHED * largest);
+        leaves(i) = vanishes && (size < LARGE_STEP || half < VANISHED * largest);
     }
     return leaves;
 }
