@@ -4,6 +4,8 @@
 // of the wheel's profile relative to the rail's normal. Maxima, minima and edges therefore do not depend on the initial
 // sampling.
 #pragma once
+#include <span>
+
 #include "contact/geometry/core/wheel_surface.hpp"
 
 namespace wr {
@@ -161,15 +163,17 @@ inline Lowest deepest(const WheelRail& pair, const Pose<double>& pose, double s,
     return lowest(pair.rail, pair.radius, pose, local(pair.wheel, s), x, sample);
 }
 
-// Position m on the wheel's profile, penetration m and place m along the rolling circle.
+// Maximum or minimum of the penetration: position m on the wheel's profile, penetration m and place m along the rolling
+// circle.
+template <class T = double>
 struct Extremum {
-    double s, depth, x;
+    T s{}, depth{}, x{};
 };
 
 // Where the slope changes its sign between low and high m, by false position (Illinois); rise, fall: slopes there; x,
 // sample: initial guesses.
-inline Extremum stationary_point(const WheelRail& pair, const Pose<double>& pose, double low, double high, double rise,
-                                 double fall, double x, long sample) {
+inline Extremum<> stationary_point(const WheelRail& pair, const Pose<double>& pose, double low, double high,
+                                   double rise, double fall, double x, long sample) {
     double s = low, depth = 0.0;
     int side = 0;
     for (int n = 0; n < 80; ++n) {
@@ -215,6 +219,73 @@ inline double level_crossing(const WheelRail& pair, const Pose<double>& pose, do
         if (moved < 1e-10) break;  // the next one is quadratic in it
     }
     return s;
+}
+
+// Penetration (n,) m at every line, its slope, x m, and the rail's nearest sample, -1 beside the rail.
+struct Scan {
+    Array<double, 1> depth, slope, x;
+    Array<long, 1> sample;
+
+    auto fields() { return std::tie(depth, slope, x, sample); }
+    bool fits() const {
+        long n = depth.size();
+        return n > 0 && slope.size() == n && x.size() == n && sample.size() == n;
+    }
+    // Whether its samples are among those of a rail.
+    bool of(const Shape& rail) const {
+        return std::all_of(sample.begin(), sample.end(), [&](long i) { return -1 <= i && i < rail.samples.size(); });
+    }
+};
+
+// Maxima of the penetration above zero, minima between them, the line before each maximum, and the largest penetration
+// m. A gap between two maxima has the penetration 0.
+struct Maxima {
+    long count = 0;
+    std::array<Extremum<>, MAXIMA> top{}, low{};
+    std::array<long, MAXIMA> before{};
+    double approach = 0.0;
+
+    std::span<const Extremum<>> tops() const { return {top.data(), std::size_t(count)}; }
+    std::span<const Extremum<>> lows() const { return {low.data(), std::size_t(std::max(count - 1, 0L))}; }
+};
+
+// Maxima on lines (m,) m, arc lengths on the wheel's profile, from their scan.
+inline Maxima local_maxima(const WheelRail& pair, const Pose<double>& pose, const Numbers& lines, const Scan& samples) {
+    const auto& [depth, slope, where, sample] = samples;
+    auto slope_at = [&](double s, long line) { return deepest(pair, pose, s, where(line), sample(line)).slope; };
+    Maxima found;
+    found.approach = *std::max_element(depth.begin(), depth.end());
+    long n = lines.size();
+    for (long i = 0; i < n - 1; ++i) {
+        if (!(slope(i) > 0.0 && 0.0 >= slope(i + 1)) || std::max(depth(i), depth(i + 1)) < NEAR ||
+            found.count == MAXIMA)
+            continue;
+        long j = i, k = i + 1;
+        double rise = slope_at(lines(j), j), fall = slope_at(lines(k), k);
+        if (rise <= 0.0 && j > 0) --j, rise = slope_at(lines(j), j);  // the samples are not accurate enough
+        if (fall > 0.0 && k < n - 1) ++k, fall = slope_at(lines(k), k);
+        if (!(rise > 0.0 && 0.0 >= fall)) continue;
+        auto top = stationary_point(pair, pose, lines(j), lines(k), rise, fall, where(i), sample(i));
+        found.approach = std::max(found.approach, top.depth);
+        if (top.depth <= 0.0) continue;
+        if (found.count > 0) {
+            k = found.before[found.count - 1] + 1;
+            for (j = k; j <= i; ++j)
+                if (depth(j) < depth(k)) k = j;
+            auto& low = found.low[found.count - 1];
+            low = {lines(k), std::max(depth(k), 0.0), where(k)};
+            if (depth(k) > 0.0) {  // inside the region of penetration: refine it
+                double left = std::max(lines(k - 1), found.top[found.count - 1].s + CLOSE);
+                double right = std::min(lines(k + 1), top.s - CLOSE);
+                fall = slope_at(left, k), rise = slope_at(right, k);
+                if (fall < 0.0 && 0.0 < rise)
+                    low = stationary_point(pair, pose, left, right, fall, rise, where(k), sample(k));
+            }
+        }
+        found.top[found.count] = top, found.before[found.count] = i;
+        ++found.count;
+    }
+    return found;
 }
 
 }  // namespace wr

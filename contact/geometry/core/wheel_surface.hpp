@@ -66,6 +66,13 @@ inline std::tuple<Array<double, 2>, Array<double, 3>> wheel_points(const Shape& 
     return {points, axes};
 }
 
+// Length on the surface at s (n,) m over length on the rolling circle.
+inline Array<double, 1> stretched(const Shape& wheel, double radius, const Numbers& s) {
+    Array<double, 1> factor(s.size());
+    for (long i = 0; i < s.size(); ++i) factor(i) = 1.0 + local(wheel, s(i)).point.z / radius;
+    return factor;
+}
+
 // Arc lengths and lateral positions (n, 2) m of points (n, 3) m on the profiles of wheel and rail, whose closest points
 // are taken; s (n,) m: arc lengths on the wheel, limited to its ends.
 inline std::tuple<Array<double, 2>, Array<double, 2>> profile_places(const Shape& wheel, const Shape& rail,
