@@ -31,6 +31,9 @@ inline TableCell table_cell(double z) {
     return {long(top) - (1023L << 3), z - std::bit_cast<double>(top << below)};
 }
 
+// Lower bound of a cell.
+inline double lower_bound(long cell) { return std::ldexp(1.0 + double(cell % CELLS) / CELLS, int(cell / CELLS)); }
+
 // Values and slopes by length of the components.
 struct Values {
     v8 value, slope;
