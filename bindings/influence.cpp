@@ -1,10 +1,13 @@
 // Python's face of displacements by loads on strips.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
+#include "contact/models/lattice/influence/core/body_displacement.hpp"
 #include "contact/models/lattice/influence/core/bulk.hpp"
-#include "contact/models/lattice/influence/core/operator.hpp"
-#include "contact/models/lattice/influence/core/short_strips.hpp"
+#include "contact/models/lattice/influence/core/cell_compliance.hpp"
+#include "contact/models/lattice/influence/core/pair_samples.hpp"
 #include "structures.hpp"
 
 using namespace wr;
@@ -25,9 +28,16 @@ void require_strips(const StripGrid& grid, const StripBasis& basis) {
     require(grid.x.shape[1] == basis.M() + 3, "grid: does not fit to the basis");
 }
 
-}  // namespace
+void require_lines(const Numbers& arc) { require(arc.size() > 1, "arc: must have two lines"); }
 
-void bind_influence(nb::module_& m) {
+void require_samples(const LatticeStrips& strips, const Deviation& upper, const Deviation& lower,
+                     const Coefficients& values) {
+    for (const auto* body : {&upper, &lower})
+        require(body->none() || body->share.size() == strips.size(), "share: must be of all strips");
+    require(values.shape[1] == DEGREE + 1 && values.shape[2] == COMPONENTS, "values: must be (cells, 6, 8)");
+}
+
+void bind_structures(nb::module_& m) {
     structure<StripBasis>(m, "StripBasis",
                           {"marks", "row_marks", "mean", "ends", "loads", "load_edges", "moments", "moment_edges",
                            "edge_moments", "slip_edges", "slip_power", "own_slip", "stations", "penetration",
@@ -44,10 +54,140 @@ void bind_influence(nb::module_& m) {
                           "Tables of the deviation of each body from a half-space, and shares in their compliance.");
     structure<BulkCompliance>(m, "BulkCompliance", {"arc", "values", "filled", "moves", "bounds"},
                               "Compliance of a body between its lines.");
+    structure<CellRule>(m, "CellRule", {"nodes", "to_powers", "integrals", "changes"},
+                        "Constants of the polynomials of a cell of a table.");
+    structure<LatticeStrips>(m, "LatticeStrips", {"sides", "angle", "stretch"},
+                             "Strips of a lattice on the upper body.");
+    structure<HalfSpaces>(m, "HalfSpaces", {"nu", "scale", "outward", "radius"}, "Half-spaces under both bodies.");
+    structure<Deviation>(m, "Deviation", {"lines", "first", "share"},
+                         "Deviation of a body from a half-space that does not depend on the pose.");
+    structure<BodyDisplacements>(m, "BodyDisplacements", {"wheel", "rail", "wheel_normal"},
+                                 "Displacements of n contact points, or of strips.");
+}
+
+// Tables of pairs of strips, and the deviations of bodies in them.
+void bind_tables(nb::module_& m) {
+    m.def(
+        "start_of",
+        [](const LatticeStrips& strips, long i, long j) {
+            require(i >= 0 && i <= j && j < strips.size(), "i, j: must be strips i <= j");
+            return start_of(strips, i, j);
+        },
+        "strips"_a, "i"_a, "j"_a, "Length m of the first octave of cells of a pair.");
+    m.def("count_of", &count_of, "start"_a, "Number of cells up to REACH, for the length m of the first octave.");
+    m.def(
+        "pair_coefficients",
+        [](const LatticeStrips& strips, long i, long j, const HalfSpaces& bodies, const Deviation& upper,
+           const Deviation& lower, const CellRule& rule, const Coefficients& values) {
+            require(i >= 0 && i <= j && j < strips.size(), "i, j: must be strips i <= j");
+            require_samples(strips, upper, lower, values);
+            pair_coefficients(strips, i, j, bodies, {&upper, &lower}, rule, values);
+        },
+        "strips"_a, "i"_a, "j"_a, "bodies"_a, "upper"_a, "lower"_a, "rule"_a, "values"_a, Released(),
+        "Write the coefficients (cells, DEGREE + 1, COMPONENTS) of a pair i <= j of strips.");
+    m.def(
+        "fill",
+        [](const LatticeStrips& strips, const View<const long, 2>& pairs, const HalfSpaces& bodies,
+           const Deviation& upper, const Deviation& lower, const CellRule& rule, const Indices& first,
+           const Coefficients& values) {
+            require(pairs.shape[1] == 2 && first.size() == pairs.size() + 1,
+                    "pairs, first: must be (P, 2) and (P + 1,)");
+            require_samples(strips, upper, lower, values);
+            for (long p = 0; p < pairs.size(); ++p)
+                require(pairs(p, 0) >= 0 && pairs(p, 0) <= pairs(p, 1) && pairs(p, 1) < strips.size() &&
+                            first(p) >= 0 && first(p) <= first(p + 1) && first(p + 1) <= values.size(),
+                        "pairs, first: strips i <= j, and ascending cells of the values");
+            for (long p = 0; p < pairs.size(); ++p)
+                pair_coefficients(strips, pairs(p, 0), pairs(p, 1), bodies, {&upper, &lower}, rule,
+                                  values.part(first(p), first(p + 1)));
+        },
+        "strips"_a, "pairs"_a, "bodies"_a, "upper"_a, "lower"_a, "rule"_a, "first"_a, "values"_a, Released(),
+        "Write the coefficients of pairs (P, 2) into the tables' values (cells, DEGREE + 1, COMPONENTS) from cells "
+        "first "
+        "(P + 1,) on.");
+    m.def(
+        "join_cells",
+        [](const Coefficients& values, const Numbers& width, long even, const CellRule& rule) {
+            require(values.shape[1] == DEGREE + 1 && width.size() == values.size(),
+                    "values, width: must be (n, DEGREE + 1, m) and (n,)");
+            join_cells(values, width, even, rule);
+        },
+        "values"_a, "width"_a, "even"_a, "rule"_a, Released(),
+        "Make polynomials (n, DEGREE + 1, m) of cells with widths (n,) continuously differentiable, in place; even: "
+        "number of functions, the first ones, whose slope at the first bound is 0.");
+    m.def("pair_geometry", &pair_geometry, "x"_a, "row"_a, "column"_a,
+          "Antiderivatives (5), twice along the strips and as means over both, of x^2/r^3, y^2/r^3, x y/r^3, x/r^2 and "
+          "y/r^2 at a distance x m, of strips with lateral bounds m, the same, or side by side.");
+    m.def("pair_antiderivative", &pair_antiderivative, "geometry"_a, "nu"_a,
+          "G (6), whose second derivative is the mean compliance between two strips; unit modulus.");
+    m.def("complete_means", &complete_means, "means"_a, Released(),
+          "Compute the coefficients of all pairs in all cells.");
+    m.def(
+        "strips_on_lines",
+        [](const Lattice& lattice, const View<const bool, 1>& chosen, const Numbers& feet) {
+            require(chosen.size() == lattice.middle.size() && feet.size() == chosen.size(),
+                    "chosen, feet: must be (K,)");
+            auto on = strips_on_lines(lattice, chosen, feet);
+            return std::tuple{on.place, on.middle, on.width, std::pair{on.low, on.high}};
+        },
+        "lattice"_a, "chosen"_a, "feet"_a, Released(),
+        "Numbers (K,) of chosen strips among these, their middles on the lower body and widths (C,) m, and the ends m "
+        "of "
+        "the part that they cover; feet: (K,) m, arc length of all strips' middles on the lower body.");
+    m.def(
+        "hats",
+        [](const Numbers& arc, const Numbers& s) {
+            require_lines(arc);
+            return hats(arc, s);
+        },
+        "arc"_a, "s"_a, Released(),
+        "Values (S, n) at s (S,) m of the functions linear between lines (n,) m, 1 at one and 0 at the others.");
+    m.def(
+        "strip_shares",
+        [](const Numbers& arc, const Numbers& middle, const Numbers& width) {
+            require_lines(arc), require(middle.size() == width.size(), "middle, width: must be (S,)");
+            return strip_shares(arc, middle, width);
+        },
+        "arc"_a, "middle"_a, "width"_a, Released(),
+        "Weights (S, n) of lines (n,) m in the means over strips of functions linear between the lines.");
+    m.def(
+        "share_slopes",
+        [](const Numbers& arc, const Numbers& middle, const Numbers& width) {
+            require_lines(arc), require(middle.size() == width.size(), "middle, width: must be (S,)");
+            return share_slopes(arc, middle, width);
+        },
+        "arc"_a, "middle"_a, "width"_a, Released(), "Derivatives (S, n) 1/m of strip_shares by the middles.");
+    m.def(
+        "bulk_displacements",
+        [](const Numbers& arc, const Blocks& compliance, const Numbers& place, const Numbers& middle,
+           const Numbers& width, const Rows& loads) {
+            require_lines(arc);
+            require(compliance.shape == Shape_<3>{arc.size(), arc.size(), 2}, "compliance: must be (ns, ns, 2)");
+            require(middle.size() == width.size() && loads.shape == Shape_<2>{middle.size(), 2},
+                    "middle, width, loads: must be (S,), (S,) and (S, 2)");
+            return bulk_displacements(arc, compliance, place, middle, width, loads);
+        },
+        "arc"_a, "compliance"_a, "place"_a, "middle"_a, "width"_a, "loads"_a, Released(),
+        "Displacement (R,) m of a body at some places m, linear between its lines (ns,) m, by loads (S, 2) N on strips "
+        "with middles and widths (S,) m; compliance (ns, ns, 2) m/N of pairs of lines.");
+    m.def(
+        "bulk_places",
+        [](const BulkCompliance& body, const Numbers& middle, const Numbers& width, const Numbers& foot) {
+            require(width.size() == middle.size() && foot.size() == middle.size(), "middle, width, foot: must be (n,)");
+            return bulk_places(body, middle, width, foot);
+        },
+        "body"_a, "middle"_a, "width"_a, "foot"_a, Released(),
+        "Arc length (n,) m on a body of the middles of strips with widths (n,) m, at most on its last lines; middle, "
+        "foot: (n,) m, on the upper and on the lower body.");
+}
+
+// Displacements by loads.
+void bind_operators(nb::module_& m) {
     m.def(
         "antiderivatives",
         [](const PairTables& tables, const StripGrid& grid, const Blocks& jumps) {
-            require(jumps.shape == Shape_<3>{grid.size(), grid.x.shape[1] - 2, 3}, "jumps: must be (S, M + 1, 3)");
+            require(jumps.size() == grid.size() && jumps.shape[1] <= grid.x.shape[1] && jumps.shape[2] == 3,
+                    "jumps: must be (S, M + 1, 3)");
             return antiderivatives(tables, grid, jumps);
         },
         "tables"_a, "grid"_a, "jumps"_a, Released(),
@@ -100,4 +240,95 @@ void bind_influence(nb::module_& m) {
         },
         "tables"_a, "grid"_a, "values"_a, "basis"_a, "rolls"_a, "A"_a, "V"_a, Released(),
         "As add_short_strips, and add the derivatives of the moments by modes and ends to the operator A (n, n).");
+    m.def(
+        "look_up",
+        [](const PairTables& tables, long i, long j, const Numbers& rows, const Numbers& columns,
+           const View<double, 3>& G, const std::optional<View<double, 3>>& H, double turn) {
+            Shape_<3> shape{rows.size(), columns.size(), COMPONENTS};
+            require(rows.size() > 0 && columns.size() > 0, "rows, columns: must not be empty");
+            require(G.shape == shape && (!H || H->shape == shape), "G, H: must be (R, C, 8)");
+            return H ? look_up<true>(tables, i, j, rows, columns, G, *H, turn)
+                     : look_up<false>(tables, i, j, rows, columns, G, {}, turn);
+        },
+        "tables"_a, "i"_a, "j"_a, "rows"_a, "columns"_a, "G"_a, "H"_a.none(), "turn"_a = 1.0, Released(),
+        "Write G (R, C, 8), and its slope H unless None, at the distances of boundaries rows (R,) m on strip i and "
+        "columns (C,) m on j >= i, with turn = -1 at the opposite distances. False where they are farther apart than "
+        "the table reaches.");
+    m.def(
+        "normal_table",
+        [](const PairTables& tables, long displaced, long loaded, const Numbers& rows, const Numbers& columns,
+           const View<double, 2>& G, const std::optional<View<double, 2>>& H) {
+            Shape_<2> shape{rows.size(), columns.size()};
+            require(rows.size() > 0 && columns.size() > 0, "rows, columns: must not be empty");
+            require(G.shape == shape && (!H || H->shape == shape), "G, H: must be (R, C)");
+            return H ? normal_table<true>(tables, displaced, loaded, rows, columns, G, *H)
+                     : normal_table<false>(tables, displaced, loaded, rows, columns, G, {});
+        },
+        "tables"_a, "displaced"_a, "loaded"_a, "rows"_a, "columns"_a, "G"_a, "H"_a.none(), Released(),
+        "Write the component NN of look_up, G (R, C), and its slope H unless None, for two strips in any order.");
+    m.def(
+        "split_shares",
+        [](double length, double loaded, double distance, const StripBasis& basis) {
+            SplitShares shares{};
+            int count = split_shares(length, loaded, distance, basis, shares);
+            Array<double, 2> to(3, SPLITS);
+            for (int k = 0; k < 3; ++k) std::copy(shares[k].begin(), shares[k].end(), to[k].begin());
+            return std::pair{count, to};
+        },
+        "length"_a, "loaded"_a, "distance"_a, "basis"_a,
+        "Number of PARTS in which the cells of a loaded strip are split for the displacement of another one, and, up "
+        "to "
+        "that number, shares of these parts and their derivatives 1/m by both lengths (3, SPLITS); lengths and "
+        "distance "
+        "of their middles in m.");
+    m.def(
+        "cell_operator",
+        [](const PairTables& tables, const StripGrid& grid, const StripBasis& basis, bool rolls) {
+            require_strips(grid, basis);
+            return cell_operator(tables, grid, basis, rolls);
+        },
+        "tables"_a, "grid"_a, "basis"_a, "rolls"_a, Released(),
+        "Whether all distances lie in the tables, and slips along and across and relative normal displacement of all n "
+        "cells by unit tractions on them (along, across, and pressure): (3 n, 3 n), or without rolling displacement by "
+        "pressure alone (n, n); rows and columns component by component.");
+    m.def(
+        "normal_displacements",
+        [](const PairTables& tables, const Indices& strips, const Numbers& middle, const Rows& edges,
+           const StripGrid& grid, const Rows& values, const Blocks& jumps, const StripBasis& basis, bool rolls) {
+            require_strips(grid, basis);
+            require(edges.size() == strips.size() && middle.size() == strips.size() && edges.shape[1] > 0,
+                    "strips, middle, edges: must be (n,), (n,) and (n, C + 1)");
+            require(values.shape == Shape_<2>{grid.size(), basis.block(rolls)}, "values: must be (S, block)");
+            require(jumps.shape == Shape_<3>{grid.size(), basis.M() + 1, 3}, "jumps: must be (S, M + 1, 3)");
+            return normal_displacements(tables, strips, middle, edges, grid, values, jumps, basis, rolls);
+        },
+        "tables"_a, "strips"_a, "middle"_a, "edges"_a, "grid"_a, "values"_a, "jumps"_a, "basis"_a, "rolls"_a,
+        Released(),
+        "Whether all distances lie in the tables, and relative normal displacement (n, C) m of cells with boundaries "
+        "edges (n, C + 1) m on n unloaded strips with numbers and middles m; the others describe the loaded strips.");
+    m.def(
+        "body_displacements",
+        [](const StripGrid& grid, const Blocks& forces, const Rows& load, const Blocks& displacement,
+           const BodyTables& bodies) {
+            long S = grid.size(), M = grid.x.shape[1] - 3;
+            require(M > 0 && forces.shape == Shape_<3>{S, M + 1, 3}, "forces: must be (S, M + 1, 3)");
+            require(load.shape == Shape_<2>{S, M} && displacement.shape == Shape_<3>{S, M, 3},
+                    "load, displacement: must be (S, M) and (S, M, 3)");
+            return body_displacements(grid, forces, load, displacement, bodies);
+        },
+        "grid"_a, "forces"_a, "load"_a, "displacement"_a, "bodies"_a, Released(),
+        "Displacements of both bodies on strips with cells of forces (S, M + 1, 3) N/m, jumps at their boundaries, "
+        "load "
+        "(S, M) N and relative displacement (S, M, 3) m.");
+}
+
+}  // namespace
+
+void bind_influence(nb::module_& m) {
+    m.attr("MODES") = MODES, m.attr("MOMENTS") = MOMENTS, m.attr("STATIONS") = STATIONS;
+    m.attr("CELLS") = CELLS, m.attr("DEGREE") = DEGREE, m.attr("COMPONENTS") = COMPONENTS, m.attr("EVEN") = EVEN;
+    m.attr("REACH") = REACH, m.attr("START") = START, m.attr("TILE") = TILE;
+    bind_structures(m);
+    bind_tables(m);
+    bind_operators(m);
 }

@@ -1,4 +1,5 @@
-// Strips on a half-space: flexibility by distance along x in closed form, see `wheelrail.contact.elasticity.half_space`.
+// Strips on a half-space: flexibility by distance along x in closed form, see
+// `wheelrail.contact.elasticity.half_space`.
 #pragma once
 #include <array>
 #include <cmath>
@@ -49,8 +50,8 @@ inline std::array<double, 5> pair_geometry(double x, const Bounds& row, const Bo
     return to;
 }
 
-// G, whose second derivative is the mean compliance between two strips; unit modulus. Along x, across, normal, along x by
-// across, along x by normal, these two odd in x, and across by normal.
+// G, whose second derivative is the mean compliance between two strips; unit modulus. Along x, across, normal, along x
+// by across, along x by normal, these two odd in x, and across by normal.
 inline std::array<double, 6> pair_antiderivative(const std::array<double, 5>& geometry, double nu) {
     double scale = (1.0 + nu) / std::numbers::pi;
     auto [xx, yy, xy, xn, yn] = geometry;

@@ -1,9 +1,9 @@
 // Displacement of each body in a contact on a lattice, for the material that touches.
 //
-// The relative displacement of the solution is the sum of that of half-spaces, which divides by their compliance, and of
-// the deviations of finite bodies, which are evaluated body by body. The contraction of half-spaces by pressure is left
-// out: it is opposite on both sides of a patch, and 2 um by another patch of 40 kN at 10 mm. So is their displacement
-// along the normal: by reciprocity a half-space under pressure is not inclined in the mean.
+// The relative displacement of the solution is the sum of that of half-spaces, which divides by their compliance, and
+// of the deviations of finite bodies, which are evaluated body by body. The contraction of half-spaces by pressure is
+// left out: it is opposite on both sides of a patch, and 2 um by another patch of 40 kN at 10 mm. So is their
+// displacement along the normal: by reciprocity a half-space under pressure is not inclined in the mean.
 #pragma once
 #include "contact/models/lattice/influence/core/operator.hpp"
 

@@ -86,7 +86,8 @@ inline std::pair<bool, Array<double, 2>> normal_displacements(const PairTables& 
         for (long j = 0; j < S; ++j) {
             auto rows = edges[i];
             long first = std::min(strips(i), grid.strip(j)), last = std::max(strips(i), grid.strip(j));
-            double turn = strips(i) == first ? 1.0 : -1.0;  // reciprocity: the transposed table at the opposite distance
+            double turn =
+                strips(i) == first ? 1.0 : -1.0;  // reciprocity: the transposed table at the opposite distance
             double before = 0.0;
             // Add means over the cells of what an antiderivative gives at their boundaries.
             auto add = [&](long r, double total) {

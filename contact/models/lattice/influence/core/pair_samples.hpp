@@ -59,7 +59,8 @@ struct Deviation {
 
 // Components of a half-space in the axes of two strips.
 //
-// near: in the strips' mean axes, from which the axes of the displaced strip are turned by -tilt, those of the loaded one
+// near: in the strips' mean axes, from which the axes of the displaced strip are turned by -tilt, those of the loaded
+// one
 //     by tilt, positive from the lateral towards the upper body's outward normal. cosine, sine: of the tilt.
 inline v8 in_axes_of_strips(const std::array<double, 6>& near, double cosine, double sine) {
     auto [along, across, normal, x_by_t, x_by_n, t_by_n] = near;
