@@ -26,8 +26,8 @@ struct WheelRegions {
                             // than that of all maxima, or the wheel lies inside the rail
     Array<double, 2> top;   // (k, 3) m, maxima: position, penetration and x
     Array<double, 2> low;   // (k - 1, 3) m, minima between them, likewise; with the penetration 0 where there is a gap
-    Array<double, 1> edges;  // (h,) m, outer ends of the halves of regions: for each maximum with a weight, those on
-                             // both sides of each maximum in its reach
+    Array<double, 1> edges;     // (h,) m, outer ends of the halves of regions: for each maximum with a weight, those on
+                                // both sides of each maximum in its reach
     Array<double, 2> contacts;  // (c, 4) m, position, x, penetration, and weight
     Array<long, 1> contact;     // (n,), contact of each strip; as many in each half
     Array<double, 2> strips;    // (n, 5) m, position, x, width, penetration of the virtual bodies, and radius along x

@@ -37,12 +37,13 @@ struct LowestStep {
     T beside, height, level, second, determinant, step, turn;
 };
 
-template <class P>
-LowestStep<P> lowest_step(const OnCurve<double>& wheel, double radius, const Pose<P>& pose, double sine, double cosine,
-                          const OnCurve<double>& rail) {
+template <class Z, class P>
+auto lowest_step(const OnCurve<Z>& wheel, double radius, const Pose<P>& pose, double sine, double cosine,
+                 const OnCurve<double>& rail) {
+    using T = decltype(Z{} * P{});
     const auto& [forth, axle, upward] = pose.rotation;
-    double r = wheel.point.z + radius;
-    LowestStep<P> at;
+    Z r = wheel.point.z + radius;
+    LowestStep<T> at;
     at.forward = {forth.y * cosine + upward.y * sine, forth.z * cosine + upward.z * sine};
     at.up = {forth.y * sine - upward.y * cosine, forth.z * sine - upward.z * cosine};
     at.away = {pose.origin.y + r * at.up.y + axle.y * wheel.point.y - rail.point.y,
@@ -50,8 +51,8 @@ LowestStep<P> lowest_step(const OnCurve<double>& wheel, double radius, const Pos
     at.beside = dot(rail.tangent, at.away), at.height = cross(rail.tangent, at.away);
     at.second = 1.0 - dot(rail.bend, at.away);
     at.level = cross(rail.tangent, at.forward);
-    P down = cross(rail.tangent, at.up), across = r * dot(rail.tangent, at.forward);
-    P bend = cross(rail.bend, at.forward);
+    T down = cross(rail.tangent, at.up), across = r * dot(rail.tangent, at.forward);
+    T bend = cross(rail.bend, at.forward);
     at.determinant = at.second * down - across * bend;
     at.step = (at.beside * down + across * at.level) / at.determinant;
     at.turn = (at.second * at.level + bend * at.beside) / at.determinant;
