@@ -118,7 +118,7 @@ inline void store_by_state(const Rows& tangent, const Numbers& wrench, const Num
     using T = Dual<COORDINATES>;
     auto pair = left_pair(left_state<T>(values, mirror), {wheel_y, 0.0, 0.0});
     const auto& [origin, rotation] = pair.pose;
-    auto turned = value(rotation) * rotation_vector(relative(value(rotation), rotation));
+    auto turned = small_rotation(value(rotation), rotation);
     const Vec<T>* parts[] = {&origin, &turned, &pair.motion.wheel.velocity, &pair.motion.wheel.rotation};
     for (int r = 0; r < 6; ++r) {
         bool odd = mirror && (r == 1 || r == 3 || r == 5);  // of a mirror image change Fy, Mx and Mz
