@@ -1,11 +1,14 @@
 // Python's face of the equations of strips and their solution.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include "contact/models/lattice/solver/core/advance.hpp"
 #include "contact/models/lattice/solver/core/renewal.hpp"
 #include "contact/models/lattice/system/core/cells.hpp"
 #include "contact/models/lattice/system/core/contact_lines.hpp"
+#include "contact/models/lattice/system/core/penetrated_width.hpp"
 #include "structures.hpp"
 
 using namespace wr;
@@ -161,6 +164,133 @@ void bind_factors(nb::module_& m) {
         "Factors with the present slopes (S, M, 18) of the friction residual, and before them whether there are any.");
 }
 
+Array<long, 1> array_of(const std::vector<long>& numbers) {
+    Array<long, 1> copy(long(numbers.size()));
+    std::copy(numbers.begin(), numbers.end(), copy.begin());
+    return copy;
+}
+
+void require_strips(Indices strips, long K) {
+    for (long k : strips) require(k >= 0 && k < K, "strips: numbers beyond the lattice");
+}
+
+LiftedPenetration lifted(const SurfaceData& surface, Numbers origin, Rows rotation, Rows lift) {
+    require(origin.size() == 3 && rotation.shape == std::array{3L, 3L}, "origin, rotation: must be (3,) and (3, 3)");
+    require(lift.size() == 2 && lift.shape[1] > 0, "lift: must be (2, R)");
+    return {surface, pose_of(origin, rotation), lift[0], lift[1]};
+}
+
+void bind_width(nb::module_& m) {
+    m.def(
+        "strips_across",
+        [](Numbers depth, Numbers slenderness) {
+            require(slenderness.size() == depth.size(), "slenderness: must be as long as depth");
+            return strips_across(depth, slenderness);
+        },
+        "depth"_a, "slenderness"_a, Released(),
+        "Number of strips across, counted by their slenderness (K,), by their mean penetrations depth (K,) m, for "
+        "contacts that are wide.");
+    m.def(
+        "strips_beside_bulk",
+        [](Rows values, const EquationData& data, const ContactLines& lines, const Lattice& lattice,
+           Numbers slenderness, const std::vector<BulkCompliance>& bodies) {
+            long K = lines.depth.size();
+            require_values(values, data), require_strips(data.places.strip, K);
+            require(lattice.middle.size() == K && slenderness.size() == K, "lattice, slenderness: must be (K,)");
+            return strips_beside_bulk(values, data, lines, lattice, slenderness, bodies);
+        },
+        "values"_a, "data"_a, "lines"_a, "lattice"_a, "slenderness"_a, "bodies"_a, Released(),
+        "`strips_across` of the penetration less the displacement of finite bodies by the loads of a state with values "
+        "(S, block), after whether their compliance is known there.");
+    m.def(
+        "maxima",
+        [](const SurfaceData& surface, Numbers origin, Rows rotation, Rows lift, Numbers middle, Numbers width,
+           Numbers depth) {
+            require(width.size() == middle.size() && depth.size() == middle.size(), "middle, width, depth: (K,)");
+            auto found = maxima(lifted(surface, origin, rotation, lift), middle, width, depth);
+            Array<double, 2> bounds(long(found.size()), 2);
+            Array<bool, 1> continues(bounds.size());
+            for (long p = 0; p < bounds.size(); ++p)
+                bounds(p, 0) = found[p].low, bounds(p, 1) = found[p].high, continues(p) = found[p].continues;
+            return std::pair{bounds, continues};
+        },
+        "surface"_a, "origin"_a, "rotation"_a, "lift"_a, "middle"_a, "width"_a, "depth"_a, Released(),
+        "Pieces of the undeformed penetration with one maximum each, in order: their bounds (P, 2) m, and whether they "
+        "continue the last one across a saddle (P,). Pose of the upper body; lift (2, R) m, places of lines, and by "
+        "how "
+        "much the penetration is less there; middle and width (K,) m of the strips, and their mean depth (K,) m less "
+        "the lift.");
+    m.def(
+        "penetrated_width",
+        [](const SurfaceData& surface, Numbers origin, Rows rotation, Rows lift, Numbers middle, Numbers width,
+           Rows bounds, View<const bool, 1> continues, bool slopes) {
+            require(width.size() == middle.size() && width.size() > 0, "middle, width: must be (K,)");
+            require(bounds.shape == std::array{continues.size(), 2L}, "bounds, continues: must be (P, 2) and (P,)");
+            std::vector<Piece> pieces;
+            for (long p = 0; p < bounds.size(); ++p) pieces.push_back({bounds(p, 0), bounds(p, 1), continues(p)});
+            return penetrated_width(lifted(surface, origin, rotation, lift), middle, width, pieces, slopes);
+        },
+        "surface"_a, "origin"_a, "rotation"_a, "lift"_a, "middle"_a, "width"_a, "bounds"_a, "continues"_a, "slopes"_a,
+        Released(),
+        "Number of strips across the penetration, and its derivative (6 + R,) by pose and lift if slopes, else zeros: "
+        "surface to width as for `maxima`, whose results are bounds (P, 2) m and continues (P,).");
+}
+
+void require_lattice(const EquationData& data, const Lattice& lattice, long K) {
+    require(data.tables.place.size() == K && lattice.middle.size() == K, "tables, lattice: must have K strips");
+}
+
+void bind_solver(nb::module_& m) {
+    structure<Probes>(
+        m, "Probes", {"lattice", "first", "second"},
+        "Where the remaining penetration is evaluated: all strips, and equal cells along the probed range "
+        "and around its maximum.");
+    m.def(
+        "excess",
+        [](Rows values, const EquationData& data, const Lattice& lattice, Numbers onset, const StripBasis& basis,
+           const Array<long, 1>& strips, const Array<double, 1>& low, const Array<double, 1>& high) {
+            require_values(values, data), require_lattice(data, lattice, onset.size());
+            require_strips(strips, onset.size());
+            require(low.size() == strips.size() && high.size() == strips.size(), "low, high: as long as strips");
+            return excess(values, data, lattice, onset, basis, {strips, low, high});
+        },
+        "values"_a, "data"_a, "lattice"_a, "onset"_a, "basis"_a, "strips"_a, "low"_a, "high"_a, Released(),
+        "Whether all points lie in the tables, and the remaining penetration (n, C) m at the edge where strips (n,) "
+        "that are not loaded begin to touch, means over the cells of a basis from low to high (n,) m along them; onset "
+        "(K,) m of all strips. Beyond the lower body it is -inf.");
+    m.def(
+        "search",
+        [](Rows values, const EquationData& data, const Probes& probes, const ContactLines& lines, Indices barred) {
+            require_values(values, data), require_lattice(data, probes.lattice, lines.near.size());
+            require_strips(barred, lines.near.size());
+            auto found = search(values, data, probes, lines, barred);
+            return std::tuple{found.complete, found.rest, array_of(found.strips)};
+        },
+        "values"_a, "data"_a, "probes"_a, "lines"_a, "barred"_a, Released(),
+        "Whether there are tables of all pairs, the `Remaining` penetration of the strips that may enter, and strips "
+        "between which tables are missing, or that are free: values (S, block) of the loaded ones; barred (n,): strips "
+        "that must not enter.");
+    m.def(
+        "advance",
+        [](Rows values, const EquationData& data, const KeptFactors& kept, bool earlier, bool entered,
+           const Limits& limits, const Lapack& solver, const Probes& probes, const ContactLines& lines,
+           Indices barred) {
+            require_values(values, data), require_lattice(data, probes.lattice, lines.near.size());
+            require_strips(barred, lines.near.size());
+            require(!kept.valid || (kept.evaluation.residual.shape == values.shape &&
+                                    fit(kept.factors, values.size(), data.mode() / 2, values.shape[1])),
+                    "kept: factors of other strips");
+            return advance(values, data, kept, earlier, entered, limits, solver, probes, lines, barred);
+        },
+        "values"_a, "data"_a, "kept"_a, "earlier"_a, "entered"_a, "limits"_a, "solver"_a, "probes"_a, "lines"_a,
+        "barred"_a, Released(),
+        "Iterations from values (S, block) until something happens to the strips and, where they converge or others "
+        "may enter, `search` of these. kept: factors of an earlier state of the same strips; earlier: whether these "
+        "are "
+        "values and factors of the solution at another pose, with which the first steps are taken; entered: whether "
+        "strips that may enter have been looked for since the strips changed.");
+}
+
 }  // namespace
 
 void bind_lattice(nb::module_& m) {
@@ -191,4 +321,6 @@ void bind_lattice(nb::module_& m) {
                        "Iterations and what they leave on strips that are not loaded.");
     bind_system(m);
     bind_factors(m);
+    bind_width(m);
+    bind_solver(m);
 }
