@@ -51,7 +51,11 @@ inline v8 operator*(const v8& a, const v8& b) {
     return each_part([&](int k) { return a.p[k] * b.p[k]; });
 }
 inline v8 splat(double x) {
-    return each_part([&](int) { return part8{} + x; });
+#if defined(__AVX2__) && defined(__FMA__)
+    return each_part([&](int) { return part8{x, x, x, x}; });
+#else
+    return each_part([&](int) { return part8{x, x}; });
+#endif
 }
 inline v8 load8(const double* at) {
     return each_part([&](int k) -> part8 { return *reinterpret_cast<const part8_anywhere*>(at + PART * k); });
@@ -60,37 +64,46 @@ inline void store8(const v8& v, double* at) {
     for (int k = 0; k < LANES / PART; ++k) *reinterpret_cast<part8_anywhere*>(at + PART * k) = v.p[k];
 }
 
-// Vectors that are a number of doubles apart.
-struct Series {
-    const double* data = nullptr;
-    long count = 0, apart = LANES;
-
-    v8 operator[](long n) const { return load8(data + apart * checked(n, count)); }
-    // Component k of vector n.
-    double operator()(long n, int k) const { return data[apart * checked(n, count) + k]; }
-    Series part(long first, long size) const { return {data + apart * checked(first, count - size + 1), size, apart}; }
-
-    static long checked(long n, [[maybe_unused]] long count) {
+inline long checked_vector(long n, [[maybe_unused]] long count) {
 #if defined(_GLIBCXX_ASSERTIONS)
-        if (n < 0 || n >= count) throw std::out_of_range("index of a vector");
+    if (n < 0 || n >= count) throw std::out_of_range("index of a vector");
 #endif
-        return n;
-    }
-};
+    return n;
+}
 
-// Vectors (.., 8) of an array, one after the other.
+// Vectors one after the other: those of an array (.., 8).
+struct Vectors {
+    const double* data = nullptr;
+    long count = 0;
+
+    v8 operator[](long n) const { return load8(data + LANES * checked_vector(n, count)); }
+    // Component k of vector n.
+    double operator()(long n, int k) const { return data[LANES * checked_vector(n, count) + k]; }
+    Vectors part(long first, long size) const { return {data + LANES * checked_vector(first, count - size + 1), size}; }
+};
 template <class T, int N>
-Series vectors(const View<T, N>& from) {
+Vectors vectors(const View<T, N>& from) {
     return {from.data, from.count() / LANES};
 }
+
+// Vectors that are a number of doubles apart.
+struct Series {
+    const double* data;
+    long count, apart;
+
+    v8 operator[](long n) const { return load8(data + apart * checked_vector(n, count)); }
+    Series part(long first, long size) const {
+        return {data + apart * checked_vector(first, count - size + 1), size, apart};
+    }
+};
 
 // A plane of vectors; rows and columns change places without copies.
 struct Plane {
     const double* data;
     long rows, columns, down, right;  // down and right: doubles from a vector to those below and beside it
 
-    Series row(long r) const { return {data + down * Series::checked(r, rows), columns, right}; }
-    Series column(long c) const { return {data + right * Series::checked(c, columns), rows, down}; }
+    Series row(long r) const { return {data + down * checked_vector(r, rows), columns, right}; }
+    Series column(long c) const { return {data + right * checked_vector(c, columns), rows, down}; }
     Plane transposed() const { return {data, columns, rows, right, down}; }
 };
 
@@ -101,8 +114,8 @@ Plane plane(const View<T, 3>& from) {
 }
 
 // Sums over vectors times each of K weights (count, K): all stay in registers, and each vector is read once.
-template <int K>
-std::array<v8, K> products(const Series& of, const View<const double, 2>& weights) {
+template <int K, class V>
+std::array<v8, K> products(const V& of, const View<const double, 2>& weights) {
     std::array<v8, K> sums{};
     for (long n = 0; n < weights.shape[0]; ++n) {
         v8 value = of[n];

@@ -80,14 +80,14 @@ using BetweenAllLines = View<const double, 5>;  // (ns, ns, cells, DEGREE + 1, C
 inline void add_pair_mean(const BetweenAllLines& lines, long first, const Numbers& row, const Numbers& column,
                           const Coefficients& to, long start = 0) {
     long count = to.size() * (DEGREE + 1), wide = lines.shape[1], cells = lines.shape[2];
-    Series all = vectors(lines), sums = vectors(to);
+    Vectors all = vectors(lines), sums = vectors(to);
     for (long k = 0; k < row.size(); ++k) {
         if (row(k) == 0.0) continue;
         for (long m = 0; m < column.size(); ++m) {
             double weight = row(k) * column(m);
             if (weight == 0.0) continue;
             v8 factor = splat(weight);
-            Series from = all.part((DEGREE + 1) * (((first + k) * wide + first + m) * cells + start), count);
+            Vectors from = all.part((DEGREE + 1) * (((first + k) * wide + first + m) * cells + start), count);
             for (long n = 0; n < count; ++n) store8(fma(from[n], factor, sums[n]), to.data + LANES * n);
         }
     }

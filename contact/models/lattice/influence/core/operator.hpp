@@ -99,7 +99,7 @@ struct Operator {
             for (int k = 0; k < MOMENTS; ++k) store8(sums[k], &edges(k, c, 0));
         }
         for (int k = 0; k < MOMENTS; ++k) {
-            Series e = vectors(edges[k]);
+            Vectors e = vectors(edges[k]);
             auto s = products<MODES>(e, basis.load_edges);
             double* to = entries(i, at + k, j);
             for (int m = 0; m < MODES; ++m)
@@ -114,7 +114,7 @@ struct Operator {
     // Slips of strip i by the same.
     void add_slips(const Seen& seen, long i, long j) {
         double factor = grid.width(j) / slip_power(grid.length(i), basis), turn = seen.turn;
-        Series e = vectors(edges[0]);
+        Vectors e = vectors(edges[0]);
         for (long r = 0; r < M; ++r) {
             for (long c = 0; c <= M; ++c)
                 store8(product(seen.values.column(c).part(r, 4), basis.slip_edges[r]), &edges(0, c, 0));

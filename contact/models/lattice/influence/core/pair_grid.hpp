@@ -40,7 +40,7 @@ struct Values {
 };
 
 // Polynomial of a cell of a table (cells (DEGREE + 1),) at z less its lower bound.
-inline Values polynomial(const Series& table, const TableCell& at, double per_length) {
+inline Values polynomial(const Vectors& table, const TableCell& at, double per_length) {
     static_assert(DEGREE == 5);
     long first = (DEGREE + 1) * at.cell;
     v8 u = splat(at.rest), value = table[first + DEGREE], slope = value;
@@ -52,10 +52,10 @@ inline Values polynomial(const Series& table, const TableCell& at, double per_le
 }
 
 // With signs of x; odd components, and slopes of even ones, change with it.
+constexpr double SIGNS[3][LANES] = {
+    {1, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 1, -1, -1, -1}, {-1, -1, -1, -1, -1, 1, 1, 1}};
 inline Values with_sign(const Values& at, bool behind) {
-    constexpr double signs[3][8] = {
-        {1, 1, 1, 1, 1, 1, 1, 1}, {1, 1, 1, 1, 1, -1, -1, -1}, {-1, -1, -1, -1, -1, 1, 1, 1}};
-    return {at.value * load8(signs[behind ? 1 : 0]), at.slope * load8(signs[behind ? 2 : 0])};
+    return {at.value * load8(SIGNS[behind ? 1 : 0]), at.slope * load8(SIGNS[behind ? 2 : 0])};
 }
 
 // Constants of the polynomials of a cell, by linear algebra in Python.

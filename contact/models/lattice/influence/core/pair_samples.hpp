@@ -76,7 +76,7 @@ inline v8 in_axes_of_strips(const std::array<double, 6>& near, double cosine, do
 }
 
 // Values of a deviation at x >= 0 m.
-inline v8 deviation_at(const Series& table, double x) {
+inline v8 deviation_at(const Vectors& table, double x) {
     double z = x / START + 1.0;
     long cell = std::min(table_cell(z).cell, table.count / (DEGREE + 1) - 1), first = (DEGREE + 1) * cell;
     v8 u = splat(z - lower_bound(cell)), value = table[first + DEGREE];

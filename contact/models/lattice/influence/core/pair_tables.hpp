@@ -142,7 +142,7 @@ class Pair {
     }
 
   private:
-    static void normal_polynomial(const Series& table, const TableCell& at, double& value, double& slope) {
+    static void normal_polynomial(const Vectors& table, const TableCell& at, double& value, double& slope) {
         long first = (DEGREE + 1) * at.cell;
         value = table(first + DEGREE, NN), slope = 0.0;
         for (int k = DEGREE - 1; k >= 0; --k) {
@@ -151,7 +151,7 @@ class Pair {
         }
     }
 
-    Series own, smooth;
+    Vectors own, smooth;
     long cells = 0, smooth_cells = 0;
     double inverse = 0.0;
 };
@@ -162,15 +162,21 @@ template <bool slopes>
 bool look_up(const PairTables& tables, long i, long j, const Numbers& rows, const Numbers& columns,
              const View<double, 3>& G, const View<double, 3>& H, double turn = 1.0) {
     Pair pair(tables, i, j, farthest(rows, columns));
-    for (long r = 0; r < rows.size(); ++r)
-        for (long c = 0; c < columns.size(); ++c) {
-            double x = rows(r) - columns(c);
+    bool turned = turn < 0.0;
+    for (long r = 0; r < rows.size(); ++r) {
+        View<double, 2> values = G[r], changes;
+        if constexpr (slopes) changes = H[r];
+        Numbers places = columns;
+        double row = rows(r);
+        for (long c = 0; c < places.size(); ++c) {
+            double x = row - places(c);
             Values at;
             if (!pair.at(x, at)) return false;
-            at = with_sign(at, std::signbit(x) != (turn < 0.0));
-            store8(at.value, &G(r, c, 0));
-            if constexpr (slopes) store8(at.slope, &H(r, c, 0));
+            at = with_sign(at, std::signbit(x) != turned);
+            store8(at.value, &values(c, 0));
+            if constexpr (slopes) store8(at.slope, &changes(c, 0));
         }
+    }
     return true;
 }
 
