@@ -11,6 +11,7 @@ struct Dual {
     V v{};
     V d[N]{};
 
+    static constexpr int COUNT = N;
     constexpr Dual() = default;
     constexpr Dual(V x) : v(x) {}
 
