@@ -73,6 +73,11 @@ struct Abreast {
     }
 };
 
+template <int K>
+Abreast<K> value(const Abreast<K>& a) {
+    return a;
+}
+
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
 
 template <class Mask, int N, class V>

@@ -19,7 +19,7 @@ struct StripFriction {
     long method = NO_FRICTION;
     Numbers of_cells;                     // (n m,), for FASTSIM
     Numbers of_contacts;                  // (k,), for Polach's formula
-    std::pair<double, double> reduction;  // factors k_A and k_S of Polach's formula
+    std::array<double, 2> reduction{}; // factors k_A and k_S of Polach's formula
 
     auto fields() { return std::tie(method, of_cells, of_contacts, reduction); }
 };
@@ -99,10 +99,10 @@ RollingPatch<T> rolling_patch(const Pressures<T>& strips, long contact, long sta
 
 // Longitudinal and lateral force N on a patch by Polach's formula, for a friction coefficient.
 inline std::array<double, 2> polach_force(const RollingPatch<double>& patch, double G, double friction,
-                                          const std::pair<double, double>& reduction) {
+                                          const std::array<double, 2>& reduction) {
     const auto& [xi, eta, phi] = patch.creepages;
     return polach({xi, eta, phi}, {patch.along, patch.across}, friction * patch.load, G, patch.kalker,
-                  {reduction.first, reduction.second});
+                  reduction);
 }
 
 // Means (m,) over m equal cells from -1 to 1 of sqrt(1 - t^2).

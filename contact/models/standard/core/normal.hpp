@@ -2,8 +2,8 @@
 #pragma once
 #include <tuple>
 
-#include "contact/geometry/core/interpenetration.hpp"
 #include "contact/models/standard/core/ellipse.hpp"
+#include "contact/models/standard/core/regions.hpp"
 
 namespace wr {
 
@@ -104,7 +104,7 @@ Pressures<T> virtual_penetration(const Regions<T>& zones, double E_star) {
 // moment.
 inline StripPressures hertzian(const PenetrationRegions& zones, double E_star) {
     using std::numbers::pi;
-    long k = zones.peak.size(), m = long(POSITIONS.size()), start = 0, n = 0;
+    long k = zones.peak.size(), m = HALF, start = 0, n = 0;
     StripPressures p(2 * m * k, k), own(zones.s.size(), 0);
     for (long i = 0; i < zones.s.size(); ++i) {
         own.s(i) = zones.s(i), own.x(i) = zones.x(i), own.width(i) = zones.width(i);

@@ -13,7 +13,7 @@ struct PairFriction {
     const PairElasticity& elastic;
     long method;
     double mu;
-    std::pair<double, double> reduction;
+    std::array<double, 2> reduction;
     long cells;
 };
 
