@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <memory>
 #include <new>
 
@@ -73,8 +74,13 @@ struct Array : View<T, N> {
     Array() = default;
     explicit Array(const std::array<long, N>& sizes) {
         this->shape = sizes;
-        constexpr std::align_val_t line{64};
-        owner.reset(new (line) T[this->count()](), [](T* p) { ::operator delete[](p, line); });
+        // of calloc: large ones take zeros of the system
+        constexpr std::size_t line = 64;
+        std::size_t size = sizeof(T) * std::size_t(this->count()), room = size + line;
+        void* whole = std::calloc(1, room);
+        if (!whole) throw std::bad_alloc();
+        void* first = whole;
+        owner.reset(static_cast<T*>(std::align(line, size, first, room)), [whole](T*) { std::free(whole); });
         this->data = owner.get();
     }
     template <class... I>

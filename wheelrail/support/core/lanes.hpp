@@ -116,16 +116,18 @@ Plane plane(const View<T, 3>& from) {
 // Sums over vectors times each of K weights (count, K): all stay in registers, and each vector is read once.
 template <int K, class V>
 std::array<v8, K> products(const V& of, const View<const double, 2>& weights) {
-    std::array<v8, K> sums{};
+    v8 sums[K] = {};
     for (long n = 0; n < weights.shape[0]; ++n) {
         v8 value = of[n];
         for (int k = 0; k < K; ++k) sums[k] = fma(value, splat(weights.data[n * K + k]), sums[k]);
     }
-    return sums;
+    return std::to_array(sums);
 }
-inline v8 product(const Series& of, const View<const double, 1>& weights) {
+// Sum over COUNT vectors times weights.
+template <int COUNT>
+v8 product(const Series& of, const View<const double, 1>& weights) {
     v8 sum{};
-    for (long n = 0; n < weights.size(); ++n) sum = fma(of[n], splat(weights(n)), sum);
+    for (int n = 0; n < COUNT; ++n) sum = fma(of[n], splat(weights(n)), sum);
     return sum;
 }
 

@@ -117,7 +117,7 @@ struct Operator {
         Vectors e = vectors(edges[0]);
         for (long r = 0; r < M; ++r) {
             for (long c = 0; c <= M; ++c)
-                store8(product(seen.values.column(c).part(r, 4), basis.slip_edges[r]), &edges(0, c, 0));
+                store8(product<4>(seen.values.column(c).part(r, 4), basis.slip_edges[r]), &edges(0, c, 0));
             auto s = products<MODES>(e, basis.load_edges);
             double *along = entries(i, r, j), *across = entries(i, M + r, j);
             for (int m = 0; m < MODES; ++m) {
