@@ -159,7 +159,7 @@ void bind_laws(nb::module_& m) {
         "friction_residual",
         [](const ResidualCode& law, Rows q, Rows s, Rows p, Numbers rho, double speed) {
             long n = rho.size();
-            require(pairs(q, n) && pairs(s, n) && pairs(p, n));
+            require(law.code && pairs(q, n) && pairs(s, n) && pairs(p, n));
             Array<double, 2> F(2, n);
             friction_residual(law, q, s, p, rho, speed, F);
             return F;
@@ -171,7 +171,7 @@ void bind_laws(nb::module_& m) {
         "friction_slopes",
         [](const ResidualCode& law, Rows q, Rows s, Rows p, Numbers rho, double speed) {
             long n = rho.size();
-            require(pairs(q, n) && pairs(s, n) && pairs(p, n));
+            require(law.code && pairs(q, n) && pairs(s, n) && pairs(p, n));
             Array<double, 2> rows(n, 14);
             friction_slopes(law, q, s, p, rho, speed, rows);
             return rows;
@@ -181,7 +181,7 @@ void bind_laws(nb::module_& m) {
     m.def(
         "friction_bounds",
         [](const ResidualCode& law, Rows s, Numbers p, double speed) {
-            require(pairs(s, p.size()));
+            require(law.code && pairs(s, p.size()));
             Array<double, 1> bounds(p.size());
             friction_bounds(law, s, p, speed, bounds);
             return bounds;

@@ -160,7 +160,7 @@ nb::class_<Kept<T>> structure(nb::module_& m, const char* name, const char* cons
                     if (!data.fits()) throw nb::value_error((own + ": lengths or indices do not fit").c_str());
                 new (self) Kept<T>{nb::make_tuple(given...), std::move(data)};
             },
-            nb::arg(names[I])...);
+            nb::arg(names[I]).none()...);
         (made.def_prop_ro(names[I],
                           [](Kept<T>& self) -> nb::typed<nb::object, Field<T, I>> {
                               if (self.given.is_valid()) return nb::typed<nb::object, Field<T, I>>(self.given[I]);

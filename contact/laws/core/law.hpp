@@ -47,12 +47,12 @@ struct PressureCode {
 
 // A friction law of cells of strips.
 struct ResidualCode {
-    const FrictionCode* code = nullptr;
-    Numbers parameters;           // constants of the law
-    double regularisation = 0.0;  // creepage eps
+    const FrictionCode* code = nullptr;  // none without friction
+    Numbers parameters;                  // constants of the law
+    double regularisation = 0.0;         // creepage eps
 
     auto fields() { return std::tie(code, parameters, regularisation); }
-    bool fits() const { return code && code->parameters == parameters.size(); }
+    bool fits() const { return (code ? code->parameters : 0) == parameters.size(); }
 };
 
 // Means F (2, n) Pa of the friction residual over n cells: tractions q (2, n) Pa, slips s (2, n) over the rolling
