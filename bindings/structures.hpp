@@ -179,10 +179,10 @@ nb::class_<Kept<T>> structure(nb::module_& m, const char* name, const char* cons
         },
         nb::sig("def _replace(self, **changes: object) -> typing.Self"),
         "The same with other fields, as of named tuples.");
-    made.def("__reduce__", [names](nb::handle self) {
+    made.def("__reduce__", [names](nb::handle self) -> nb::typed<nb::tuple, nb::object, nb::object> {
         nb::list values;
         for (const char* field : names) values.append(self.attr(field));
-        return nb::make_tuple(self.type(), nb::tuple(values));
+        return nb::typed<nb::tuple, nb::object, nb::object>(nb::make_tuple(self.type(), nb::tuple(values)));
     });
     return made;
 }
