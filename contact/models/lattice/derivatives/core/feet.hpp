@@ -60,7 +60,7 @@ class MovedStrips {
     }
     // Values G (R, C, 8) at the distances of boundaries.
     void tabulate(long i, long j) {
-        Series table = vectors(used_);
+        Vectors table = vectors(used_);
         for (long r = 0; r < R; ++r)
             for (long c = 0; c < R; ++c) {
                 double x = grid_.x(i, r) - grid_.x(j, c);
