@@ -6,7 +6,7 @@
 
 namespace wr {
 
-constexpr double GAUSS = 0.28867513459481287;  // 1 / sqrt(12) of a strip's width, from its middle
+constexpr double GAUSS = 0.2886751345948129;  // 0.5 / sqrt(3) of a strip's width, from its middle
 constexpr double OPPOSED =
     -0.5;                // cosine between normals of surfaces that may touch, a tenth of a radian apart at most
 constexpr int POSE = 6;  // motions of a rigid body
