@@ -35,6 +35,7 @@ Array<double, 1> copied(const std::array<double, HALF>& values) {
 void require_places(const Numbers& s, const Numbers& x) { require(s.size() == x.size(), "x: must be as long as s"); }
 
 void bind_curves(nb::module_& m) {
+    m.attr("SAMPLE_SPACING") = SPACING;
     structure<Shape>(m, "Shape", {"breaks", "middles", "table", "samples", "sampled", "hollow"},
                      "A curve of m pieces: breaks (m + 1,) and middles (m,) m in arc length, table (m, 3, 8) of "
                      "coefficients of y + iz and its first two derivatives, samples (n,) m and points y + iz sampled "
@@ -333,8 +334,10 @@ void bind_searches(nb::module_& m) {
         "Virtual penetration m that a place behind a minimum has in the region of another maximum, and its "
         "derivatives: penetration m of the virtual bodies there, and at the lowest minimum on the way; distance m from "
         "the maximum of the region; places closer than merge m belong to the region.");
-    m.attr("POSITIONS") = nb::cast(copied(POSITIONS));
-    m.attr("WIDTHS") = nb::cast(copied(WIDTHS));
+    m.attr("VIRTUAL") = VIRTUAL;
+    m.def(
+        "half_strips", [] { return std::tuple{copied(POSITIONS), copied(WIDTHS)}; },
+        "Positions and widths (8,) from 0 to 1 of the strips of half a region, denser at the maximum.");
 }
 
 }  // namespace

@@ -11,10 +11,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from benchmarks.stability.sample import RADIUS, SampledCase
+from wheelrail.bindings._contact import crests
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.models.lattice.system.surface import crests, surface_data
+from wheelrail.contact.models.lattice.system.surface import surface_data
 from wheelrail.meshes.bodies.solids import wheel_contact_range
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array

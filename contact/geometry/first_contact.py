@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.geometry.line_scan import lines_to_scan, scan
-from wheelrail.contact.geometry.rigid_search import local_maxima
+from wheelrail.bindings._contact import lines_to_scan, local_maxima, scan
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.kinematics.frames import SIDES, Pose, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
@@ -86,11 +85,9 @@ def _largest_penetration(pair: RigidWheelRail, pose: Pose) -> FirstContact:
 
     Raises ValueError where it is an end of a profile.
     """
-    rotation = np.ascontiguousarray(pose.rotation)
     wheel, rail, lines = pair.wheel.shape, pair.rail.shape, pair.lines
-    part = lines_to_scan(lines, pair.radius, pose.origin, rotation)
-    samples = scan(rail, lines, pair.radius, pose.origin, rotation, part)
-    maxima, _, _, _ = local_maxima(wheel, rail, pair.radius, pose.origin, rotation, lines.s, samples)
+    samples = scan(rail, lines, pair.radius, *pose.arrays, lines_to_scan(lines, pair.radius, *pose.arrays))
+    maxima, _, _, _ = local_maxima(wheel, rail, pair.radius, *pose.arrays, lines.s, samples)
     if len(maxima):
         s, depth, x = maxima[maxima[:, 1].argmax()]
     else:

@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from wheelrail.bindings._contact import Lines, Scan, lines_to_scan, nearest_place, profile_places, scan, wheel_points
 from wheelrail.contact.geometry.interpenetration import (
     UNSOLVED,
     PenetrationRegions,
@@ -16,9 +17,7 @@ from wheelrail.contact.geometry.interpenetration import (
     profile_regions,
     quadric_regions,
 )
-from wheelrail.contact.geometry.line_scan import Lines, lines_to_scan, scan
-from wheelrail.contact.geometry.surface_gap import nearest_place
-from wheelrail.contact.geometry.wheel_surface import profile_places, wheel_points
+from wheelrail.contact.geometry.line_scan import sampled_lines
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.bodies.solids import wheel_contact_range
 from wheelrail.meshes.profiles.profile import Profile
@@ -78,7 +77,7 @@ class RigidWheelRail:
 
     @cached_property
     def lines(self) -> Lines:
-        return Lines.of(self.wheel, self.rail, wheel_contact_range(self.wheel), SPACING)
+        return sampled_lines(self.wheel, self.rail, wheel_contact_range(self.wheel), SPACING)
 
     def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)
@@ -87,17 +86,19 @@ class RigidWheelRail:
         """Text on the overlap of a wheel that cannot be solved; see `overlap`."""
         return overlap(self.wheel, self.rail, self.radius, pose, self.lines)
 
+    def scanned(self, pose: Pose) -> tuple[tuple[int, int], Scan]:
+        """First of the lines that may overlap the rail, and one past the last, and their scan."""
+        part = lines_to_scan(self.lines, self.radius, *pose.arrays)
+        return part, scan(self.rail.shape, self.lines, self.radius, *pose.arrays, part)
+
     def approach(self, pose: Pose) -> float:
         """Largest penetration m; separated surfaces have minus their gap, the smallest distance of their points."""
         return self.nearest(pose)[1]
 
     def nearest(self, pose: Pose) -> tuple[float, float, float]:
-        """As `wheelrail.contact.geometry.surface_gap.nearest_place`."""
-        wheel, rail, origin = self.wheel.shape, self.rail.shape, pose.origin
-        radius, rotation, lines = self.radius, np.ascontiguousarray(pose.rotation), self.lines
-        part = lines_to_scan(lines, radius, origin, rotation)
-        samples = scan(rail, lines, radius, origin, rotation, part)
-        return nearest_place(wheel, rail, radius, origin, rotation, lines, part, samples)
+        """As `nearest_place`."""
+        part, samples = self.scanned(pose)
+        return nearest_place(self.wheel.shape, self.rail.shape, self.radius, *pose.arrays, self.lines, part, samples)
 
     def unsolved(self, pose: Pose, first: float, last: float) -> str:
         """Depth and place of the deepest overlap on lines of the wheel that a model leaves out; empty without.
@@ -106,12 +107,12 @@ class RigidWheelRail:
             pose: of the wheel.
             first, last: m, arc lengths between which the model solves contacts.
         """
-        lines, rotation = self.lines, np.ascontiguousarray(pose.rotation)
-        part = lines_to_scan(lines, self.radius, pose.origin, rotation)
+        lines = self.lines
+        part = lines_to_scan(lines, self.radius, *pose.arrays)
         left_out = (lines.s[part[0] : part[1]] < first) | (lines.s[part[0] : part[1]] > last)
         if not left_out.any():
             return ""
-        depth = scan(self.rail.shape, lines, self.radius, pose.origin, rotation, part).depth[part[0] : part[1]]
+        depth = scan(self.rail.shape, lines, self.radius, *pose.arrays, part).depth[part[0] : part[1]]
         deepest = int(np.where(left_out, depth, -1.0).argmax())
         if not (left_out[deepest] and depth[deepest] > 0.0):
             return ""
@@ -124,7 +125,7 @@ class RigidWheelRail:
         return self.radius, 0.5 * (last - first)
 
     def at(self, pose: Pose, s: Array, x: Array) -> tuple[Array, Array]:
-        return wheel_points(self.wheel.shape, self.radius, pose.origin, np.ascontiguousarray(pose.rotation), s, x)
+        return wheel_points(self.wheel.shape, self.radius, *pose.arrays, s, x)
 
     def profiles(self, s: Array, point: Array) -> tuple[Array, Array]:
         return profile_places(self.wheel.shape, self.rail.shape, s, point)

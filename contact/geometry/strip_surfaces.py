@@ -8,13 +8,12 @@ from typing import Protocol
 
 import numpy as np
 
+from wheelrail.bindings._contact import stretched
 from wheelrail.contact.geometry.quadric_pair import vertical_approach
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.meshes.curves.closest_point import Shape, local, piece
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import compiled
 
 
 class StripSurfaces(Protocol):
@@ -25,19 +24,6 @@ class StripSurfaces(Protocol):
 
     def nearest(self, pose: Pose) -> tuple[float, float, float]:
         """Position s m, largest penetration m of the whole surfaces, and x m; separated ones have minus their gap."""
-
-
-NEXT = 1e-3  # m: points closer than that have neighbouring closest points
-
-
-@compiled
-def stretched(wheel: Shape, radius: float, s: Array) -> Array:
-    """Length on the surface at s (n,) over length on the rolling circle."""
-    factor = np.empty(len(s))
-    for i in range(len(s)):
-        z, _, _ = local(wheel, s[i], piece(wheel, s[i]))
-        factor[i] = 1.0 + z.imag / radius
-    return factor
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,11 @@ class Pose:
     origin: Array
     rotation: Array
 
+    @property
+    def arrays(self) -> tuple[Array, Array]:
+        """Origin and rotation for the core, which takes contiguous numbers."""
+        return np.ascontiguousarray(self.origin, dtype=float), np.ascontiguousarray(self.rotation, dtype=float)
+
     def mirrored(self) -> Pose:
         """The pose in the mirror y = 0, the wheel's own lateral axis still to the left."""
         return Pose(MIRROR * self.origin, self.rotation * np.outer(MIRROR, MIRROR))

@@ -8,8 +8,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from wheelrail.bindings._contact import left_pairs
 from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.kinematics.left_pair import motion_of, pose_of
 from wheelrail.support.arrays import Array
 
 RailShift = tuple[tuple[float, float], tuple[float, float]]
@@ -115,15 +117,13 @@ class Mounting:
 
     @property
     def dimensions(self) -> tuple[float, float, float]:
-        """Arguments of compiled functions, m."""
+        """Arguments of functions of the core, m."""
         return float(self.wheel_y), float(self.rail_y), float(self.radius)
 
     def left_pair(self, state: WheelsetState) -> tuple[Pose, RigidMotion]:
         """Pose and velocities of the left pair, in the left rail's frame (parallel to the track frame), eq. (5)."""
-        from wheelrail.contact.kinematics.left_pair import left_pairs  # Numba, which the track does without
-
         pairs = left_pairs(np.array([state.values]), self.dimensions, False)
-        return pairs.pose(0), pairs.rigid_motion(0)
+        return pose_of(pairs, 0), motion_of(pairs, 0)
 
 
 EVEN = ("z", "z_rate", "pitch_rate")  # unchanged in the mirror y = 0

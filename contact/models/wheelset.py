@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wheelrail.bindings._contact import by_states
 from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
-from wheelrail.contact.kinematics.left_pair import by_states
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.standard.wheel_rail import SolvedWheels, solved_together

@@ -5,18 +5,33 @@ from __future__ import annotations
 import hashlib
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wheelrail.meshes.curves.closest_point import HOLLOW, SPACING, Closest, Shape, closest
+from wheelrail.bindings._contact import SAMPLE_SPACING, Shape, closest
 from wheelrail.support.arrays import Array, Complex
 
 DEGREE = 7
+HOLLOW = 0.3  # rad, more than the waves of a worn or measured rail
 ROUNDING = 1e-12  # m: the last bits of the ends differ from machine to machine
 
 _C = TypeVar("_C", bound="Curve")
+
+
+class Closest(NamedTuple):
+    """Closest points of the curve to n points.
+
+    Parameters:
+        s: (n,) m, arc length.
+        distance: (n,) m, positive on the outward side.
+        inside: (n,), False where the closest point is an end of the curve and the point lies beyond it.
+    """
+
+    s: Array
+    distance: Array
+    inside: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +88,7 @@ class Curve:
         the bisector inside a corner, either may be returned.
         """
         p = np.asarray(points, dtype=float)
-        at = np.empty(0) if guess is None else np.asarray(guess, dtype=float)
+        at = np.empty(0) if guess is None else np.ascontiguousarray(guess, dtype=float)
         return Closest(*closest(self.shape, p[:, 0] + 1j * p[:, 1], at))
 
     def s_at_y(self, y: ArrayLike) -> Array:
@@ -137,7 +152,7 @@ class Curve:
 
     @cached_property
     def _samples(self) -> Array:
-        return self.samples(SPACING)
+        return self.samples(SAMPLE_SPACING)
 
     @cached_property
     def _sampled(self) -> Complex:
@@ -145,7 +160,7 @@ class Curve:
 
     @cached_property
     def shape(self) -> Shape:
-        """The curve for compiled code."""
+        """The curve for the core."""
         table = np.ascontiguousarray(self._table.transpose(2, 0, 1))
         return Shape(self.breaks.copy(), self._middles, table, self._samples, self._sampled, self._hollow)
 

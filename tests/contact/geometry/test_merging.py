@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wheelrail.contact.geometry.interpenetration import VIRTUAL, covered, merging_weights
+from wheelrail.bindings._contact import VIRTUAL, covered, merging_weights
 from wheelrail.support.arrays import Array
 
 MERGE = 4e-3

@@ -11,7 +11,7 @@ from dense_surfaces import DenseSurfaces
 from grooved_rails import grooved
 from scipy.spatial import cKDTree
 
-from wheelrail.contact.geometry.line_scan import lines_to_scan, scan
+from wheelrail.bindings._contact import lines_to_scan, scan
 from wheelrail.contact.geometry.rigid_surfaces import RigidQuadrics, RigidWheelRail
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips, QuadricStrips
 from wheelrail.contact.kinematics.frames import Pose
@@ -106,8 +106,7 @@ def test_flange_in_a_groove_is_searched_whole(tmp_path: Path, groove: tuple[floa
 
 def overlapping(rigid: RigidWheelRail, place: Pose) -> Array:
     """Lines of the whole profile that overlap the rail."""
-    rotation = np.ascontiguousarray(place.rotation)
-    return scan(rigid.rail.shape, rigid.lines, RADIUS, place.origin, rotation, (0, len(rigid.lines.s))).depth > 0.0
+    return scan(rigid.rail.shape, rigid.lines, RADIUS, *place.arrays, (0, len(rigid.lines.s))).depth > 0.0
 
 
 def test_lines_of_a_steep_flange_at_large_yaw_are_scanned_right() -> None:
@@ -120,8 +119,7 @@ def test_lines_of_a_steep_flange_at_large_yaw_are_scanned_right() -> None:
     for y, yaw in ((6e-3, -0.04), (7e-3, -0.03), (8e-3, -0.04), (8e-3, -0.02)):
         z = next(z for z in np.arange(12e-3, 0.0, -2e-4) if rigid.approach(pose(WheelsetState(y=y, z=z, yaw=yaw))) > 0)
         place = pose(WheelsetState(y=y, z=z - 1e-4, yaw=yaw))
-        rotation = np.ascontiguousarray(place.rotation)
-        found = scan(rail.shape, rigid.lines, RADIUS, place.origin, rotation, (0, len(rigid.lines.s)))
+        found = scan(rail.shape, rigid.lines, RADIUS, *place.arrays, (0, len(rigid.lines.s)))
         near = np.flatnonzero((found.depth > -5e-4) & (rigid.lines.point.real < -0.02))
         for i in near[::4].tolist():
             line = rigid.lines.point[i]
@@ -159,7 +157,7 @@ def test_lines_left_out_of_a_scan_do_not_overlap(tmp_path: Path) -> None:
         rigid = RigidWheelRail(WHEEL, rail, RADIUS)
         for y, z, roll, yaw in draw.uniform([-0.09, -5e-3, -0.02, -0.05], [0.06, 0.03, 0.02, 0.05], (300, 4)).tolist():
             place = pose(WheelsetState(y=y, z=z, roll=roll, yaw=yaw))
-            first, stop = lines_to_scan(rigid.lines, RADIUS, place.origin, np.ascontiguousarray(place.rotation))
+            first, stop = lines_to_scan(rigid.lines, RADIUS, *place.arrays)
             over = overlapping(rigid, place)
             assert not np.delete(over, slice(first, stop)).any()
             whole, skipped = whole + over.any(), skipped + (first > 0) + (stop < len(over))
@@ -173,8 +171,7 @@ def test_ordinary_running_scans_the_ordinary_lines() -> None:
     for y in np.linspace(-8e-3, 5e-3, 9).tolist():
         for yaw in (-5e-3, 0.0, 5e-3):
             place = pose(WheelsetState(y=y, z=-2e-4, yaw=yaw))
-            rotation = np.ascontiguousarray(place.rotation)
-            assert lines_to_scan(lines, RADIUS, place.origin, rotation) == (lines.first, lines.stop)
+            assert lines_to_scan(lines, RADIUS, *place.arrays) == (lines.first, lines.stop)
 
 
 def test_an_overlap_that_no_line_solves_is_named() -> None:

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from wheelrail.bindings._contact import by_states
 from wheelrail.contact.kinematics.frames import SIDES, Side
-from wheelrail.contact.kinematics.left_pair import pair_slope
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -55,8 +55,8 @@ def test_velocity_of_a_material_point() -> None:
 
 def test_derivatives_of_pose_and_motion() -> None:
     """Every column against central differences of `Mounting.left_pair`."""
-    slope = np.empty((12, 9))
-    pair_slope(np.array(STATE.values)[:15], MOUNTING.wheel_y, slope)
+    states, rows = np.array([STATE.values] * 2), np.eye(12).reshape(2, 6, 12)
+    slope = by_states(rows, np.zeros((2, 6)), states, MOUNTING.wheel_y, False).reshape(12, 9)
     pose, motion = MOUNTING.left_pair(STATE)
     for column, name in zip(slope.T, STATE.coordinates, strict=True):
         h = 1e-6
