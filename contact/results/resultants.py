@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import RigidMotion
-from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
+from wheelrail.contact.kinematics.left_pair import velocities_of
 from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, patch_sums, patches_of, store_patch
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch, Statistics
 from wheelrail.contact.results.touching_material import BodyDisplacements, on_material
@@ -103,7 +103,7 @@ class FrictionalWork:
         self, patch: Nodes, pressure: Array, bodies: Callable[[], BodyDisplacements] | None
     ) -> tuple[Patch, ...]:
         """All patches (n,), by decreasing load, from pressures (n,) Pa; bodies: as for `assemble_result`."""
-        points, velocities = self.points, RigidVelocities.of(self.motion)
+        points, velocities = self.points, velocities_of(self.motion)
         fixed = np.ascontiguousarray  # machine code is for one layout
         cells = PatchPoints(
             fixed(points.point),

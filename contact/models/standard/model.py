@@ -11,9 +11,10 @@ from typing import Literal
 
 import numpy as np
 
+from wheelrail.bindings._contact import RigidVelocities
 from wheelrail.contact.geometry.rigid_surfaces import RigidPair, RigidWheelRail
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
+from wheelrail.contact.kinematics.left_pair import motion_of, pose_of, velocities_of
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.laws.pointwise import FrictionFunctions
@@ -178,7 +179,7 @@ class StandardContact:
             point, axes = peak[strips.contact] + away * peak_axes[strips.contact, 1], peak_axes[strips.contact]
         else:
             point, axes = point[:n], axes[:n]
-        velocities = RigidVelocities.of(motion)
+        velocities = velocities_of(motion)
         middles, peaks = StripFrames(point, axes), StripFrames(peak, peak_axes)
         friction = self.friction(strips, middles, peaks, velocities)
         cells = strip_forces(strips, zones.weight, middles, peaks, velocities, self.elasticity, friction, self.cells)
@@ -214,7 +215,7 @@ class StandardContact:
         if beyond:
             assert isinstance(self.surfaces, RigidWheelRail)
             return ContactResult.failed(
-                self.surfaces.overlap(solved.pairs.pose(i)), approach if approach > 0.0 else np.nan
+                self.surfaces.overlap(pose_of(solved.pairs, i)), approach if approach > 0.0 else np.nan
             )
         if not contacts:
             return ContactResult.separated(approach)
@@ -247,6 +248,6 @@ class _Details:
 
     def fields(self) -> Fields:
         pairs = self.solved.pairs
-        contacts, _ = self.model.strip_contacts(pairs.pose(self.wheel), pairs.rigid_motion(self.wheel))
+        contacts, _ = self.model.strip_contacts(pose_of(pairs, self.wheel), motion_of(pairs, self.wheel))
         assert contacts is not None
         return contacts.fields()

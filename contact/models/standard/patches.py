@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.bindings._contact import RigidVelocities
 from wheelrail.contact.geometry.interpenetration import PenetrationRegions
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.kinematics.rigid_velocities import RigidVelocities
+from wheelrail.contact.kinematics.left_pair import velocities_of
 from wheelrail.contact.models.standard.forces import StripTractions
 from wheelrail.contact.models.standard.normal import StripPressures
 from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, patch_sums, patches_of, store_patch
@@ -66,7 +67,7 @@ class StripContacts:
 
     def patches(self) -> tuple[Patch, ...]:
         """All patches, by decreasing load."""
-        places, velocities = self.surfaces.profiles(self.strips.s, self.point), RigidVelocities.of(self.motion)
+        places, velocities = self.surfaces.profiles(self.strips.s, self.point), velocities_of(self.motion)
         rows = patch_rows(self.zones.weight, self.strips, self.cells, self.axes, places, velocities)
         return patches_of(rows)
 
