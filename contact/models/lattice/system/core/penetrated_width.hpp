@@ -123,20 +123,26 @@ struct LineChange {
     Dual<POSE + 1> depth;
     BetweenLines lift;
 
-    // At the crest of a line, where the penetration is largest along x, derivatives for a fixed x are those of its
-    // height.
-    LineChange(const LiftedPenetration& at, double s, double x) : lift{0, 0.0} {
+    // At the crest of a line at s m and x m, with the closest point foot m of the rail. It moves along x by one more
+    // step of Newton's method: as the wheel's circle is parallel to the rail there, but not to the wheel's own axes,
+    // the penetration is not quite the largest one.
+    LineChange(const LiftedPenetration& at, double s, double x, double foot) : lift{0, 0.0} {
         using T = Dual<POSE + 1>;
         auto moving = varied<T>(at.pose);
-        T line = variable<T>(s, POSE);
+        T line = variable<T>(s, POSE), along(x);
         const auto& surface = at.surface;
         if (surface.revolves) {
-            auto place = on_circle(local(surface.wheel, line), surface.radius, moving, x);
-            depth = project<T>(surface.rail, place, -1).depth;
+            auto wheel = local(surface.wheel, line);
+            double angle = x / surface.radius;
+            T turn =
+                lowest_step(wheel, surface.radius, moving, std::sin(angle), std::cos(angle), local(surface.rail, foot))
+                    .turn;
+            if (std::abs(turn.v) < LOWEST) along += surface.radius * (turn - turn.v);
+            depth = project<T>(surface.rail, on_circle(wheel, surface.radius, moving, along), -1).depth;
         } else {
-            T dx = x - moving.origin.x, ds = line - moving.origin.y;
+            T dx = along - moving.origin.x, ds = line - moving.origin.y;
             depth = -moving.origin.z - surface.upper(0) * dx * dx - surface.upper(1) * ds * ds -
-                    surface.lower(0) * (x * x) - surface.lower(1) * line * line;
+                    surface.lower(0) * along * along - surface.lower(1) * line * line;
         }
         depth -= interpolated(line, at.lines, at.lift);
         if (at.lines.size() > 1) lift = between_lines(at.lines, s);
@@ -159,15 +165,15 @@ inline std::pair<double, Array<double, 1>> penetrated_width(const LiftedPenetrat
     Array<double, 1> change(POSE + depth.lift.size());
     std::vector<PieceSamples> samples(P);
     std::vector<bool> continues(P);
-    std::vector<Array<double, 1>> lines(P), crest(P);
+    std::vector<Array<double, 1>> lines(P);
+    std::vector<LiftedPenetration::Crests> crests(P);
     for (std::size_t p = 0; p < P; ++p) {
         const auto& [low, high, goes_on] = pieces[p];
         double half = 0.5 * (high - low);
-        lines[p] = crest[p] = Array<double, 1>(NODES + 2);
+        lines[p] = Array<double, 1>(NODES + 2);
         for (int i = 0; i < NODES; ++i) lines[p](i) = 0.5 * (low + high) + half * node(i);
         lines[p](NODES) = low, lines[p](NODES + 1) = high, continues[p] = goes_on;
-        auto at = depth.on(lines[p]);
-        crest[p] = at.x;
+        const auto& at = crests[p] = depth.on(lines[p]);
         for (int i = 0; i < NODES; ++i) {
             samples[p].depth[i] = std::max(at.depth(i), 0.0);
             samples[p].share[i] = half * weight(i) / interpolated(lines[p](i), middle, width);
@@ -177,6 +183,9 @@ inline std::pair<double, Array<double, 1>> penetrated_width(const LiftedPenetrat
     WidthIntegrals sums(samples, continues, slopes);
     if (!(sums.square > 0.0)) return {0.0, change};
     double number = OF_PARABOLA * sums.twice / sums.square;
+    auto change_of = [&](std::size_t p, int i) {
+        return LineChange(depth, lines[p](i), crests[p].x(i), crests[p].foot(i));
+    };
     for (std::size_t p = 0; slopes && p < P; ++p) {
         using T = Dual<2>;  // by the bounds of the piece
         T low = variable<T>(pieces[p].low, 0), high = variable<T>(pieces[p].high, 1), half = 0.5 * (high - low), moved;
@@ -184,13 +193,13 @@ inline std::pair<double, Array<double, 1>> penetrated_width(const LiftedPenetrat
             double a = samples[p].depth[i], share = samples[p].share[i];
             double by_depth = (OF_PARABOLA * sums.slopes[p].depth[i] - number * 2.0 * share * a) / sums.square;
             double by_share = (OF_PARABOLA * sums.slopes[p].share[i] - number * a * a) / sums.square;
-            LineChange at(depth, lines[p](i), crest[p](i));
+            LineChange at = change_of(p, i);
             T line = 0.5 * (low + high) + half * node(i);
             moved += by_depth * at.slope() * line + by_share * (half * weight(i) / interpolated(line, middle, width));
             at.add(by_depth, change);
         }
         // bounds at the edge of a region move with it, saddles count as fixed
-        LineChange lower(depth, pieces[p].low, crest[p](NODES)), upper(depth, pieces[p].high, crest[p](NODES + 1));
+        LineChange lower = change_of(p, NODES), upper = change_of(p, NODES + 1);
         lower.add(continues[p] ? OF_PARABOLA * sums.slopes[p].saddle / sums.square : -moved.d[0] / lower.slope(),
                   change);
         if (!(p + 1 < P && continues[p + 1])) upper.add(-moved.d[1] / upper.slope(), change);

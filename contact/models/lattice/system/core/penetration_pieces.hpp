@@ -19,14 +19,14 @@ struct LiftedPenetration {
     Pose<double> pose;
     Numbers lines, lift;
 
-    // Largest one m along x on lines (n,) m, and where (n,) m.
+    // Largest one m along x on lines (n,) m, and where (n,) m; closest points (n,) m of the rail.
     struct Crests {
-        Array<double, 1> depth, x;
+        Array<double, 1> depth, x, foot;
     };
     Crests on(Numbers s) const {
         auto [at, x, bend] = crests(surface, pose, s);
         for (long i = 0; i < s.size(); ++i) at.depth(i) -= interpolated(s(i), lines, lift);
-        return {at.depth, x};
+        return {at.depth, x, at.foot};
     }
     double operator()(double s) const { return on({&s, {1}}).depth(0); }
 
