@@ -10,6 +10,7 @@ void bind_lattice(nb::module_& m);
 void bind_derivatives(nb::module_& m);
 void bind_standard(nb::module_& m);
 void bind_results(nb::module_& m);
+void bind_table(nb::module_& m);
 
 NB_MODULE(_contact, m) {
     nb::set_leak_warnings(false);  // what Python keeps until its end is no leak
@@ -20,4 +21,5 @@ NB_MODULE(_contact, m) {
     bind_derivatives(m);
     bind_standard(m);
     bind_results(m);
+    bind_table(m);
 }

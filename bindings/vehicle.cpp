@@ -6,6 +6,7 @@
 
 #include "vehicle/multibody/core/derivatives.hpp"
 #include "vehicle/multibody/core/energy.hpp"
+#include "vehicle/simulation/core/excitation.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -172,6 +173,16 @@ Results<2> load_values(const Vehicle& v, const Journey& travel, Values state, Va
     return results(array(std::move(torques), {v.torques.size()}), array(std::move(forces), {v.forces.size(), 3}));
 }
 
+// Whether one of the functions, pieces of polynomials, is no cubic between two abscissae, see excitation.hpp.
+bool differ(Values starts, nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu> coefficients,
+            Values places, double start, double end, Values limits) {
+    require(limits, 5, "limits"), require(starts, coefficients.shape(0), "starts");
+    auto numbers = [](const Values& of) { return Numbers{of.data(), {long(of.size())}}; };
+    std::array<long, 3> shape{long(coefficients.shape(0)), long(coefficients.shape(1)), long(coefficients.shape(2))};
+    if (!shape[0]) throw nb::value_error("starts: must be one at least");
+    return differ({numbers(starts), {coefficients.data(), shape}}, numbers(places), start, end, numbers(limits));
+}
+
 }  // namespace
 
 NB_MODULE(_vehicle, m) {
@@ -234,4 +245,11 @@ NB_MODULE(_vehicle, m) {
                                              e.weight,  e.inertial, e.applied};
             },
             "travel"_a, "state"_a, "sections"_a, "contacts"_a);
+    m.def("differ",
+          nb::overload_cast<Values, nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>, Values,
+                            double, double, Values>(&differ),
+          "starts"_a, "coefficients"_a, "places"_a, "start"_a, "end"_a, "limits"_a,
+          "Whether one of k functions, somewhere between two abscissae, differs by more than some limits (5,) from the "
+          "cubic through its values and slopes at both: starts (m,) of the pieces, coefficients (m, degree + 1, k), "
+          "places (p,) that are added to both abscissae, one after the other.");
 }

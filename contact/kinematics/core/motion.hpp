@@ -67,6 +67,20 @@ struct RigidMotion {
     Twist<T> wheel, rail;
 };
 
+// Motions that vary with the pose, which the wheel's reference point moves with, by six changes, and by the wheel's
+// velocity and angular velocity, three each: the twelve changes of `wheelrail.contact.kinematics.sensitivity`.
+template <class T>
+RigidMotion<T> varied(const RigidMotion<double>& motion, const Pose<double>& pose) {
+    auto added = [](const Vec<double>& a, int first) {
+        return Vec<T>{variable<T>(a.x, first), variable<T>(a.y, first + 1), variable<T>(a.z, first + 2)};
+    };
+    Vec<double> arm = motion.wheel.reference - pose.origin;
+    Vec<T> origin = added(pose.origin, 0), turn = added({}, 3);
+    const auto& [velocity, rotation, reference] = motion.rail;
+    return {{added(motion.wheel.velocity, 6), added(motion.wheel.rotation, 9), origin + (arm + cross(turn, arm))},
+            {vec_as<T>(velocity), vec_as<T>(rotation), vec_as<T>(reference)}};
+}
+
 // Velocity field of a body, for Python: (3,) each.
 struct VelocityField {
     Numbers velocity, rotation, reference;

@@ -84,6 +84,10 @@ Dual<N> atan(const Dual<N>& a) {
     return a.chain(std::atan(a.v), 1.0 / (1.0 + a.v * a.v));
 }
 template <int N>
+Dual<N> asinh(const Dual<N>& a) {
+    return a.chain(std::asinh(a.v), 1.0 / std::sqrt(1.0 + a.v * a.v));
+}
+template <int N>
 Dual<N> exp(const Dual<N>& a) {
     double r = std::exp(a.v);
     return a.chain(r, r);

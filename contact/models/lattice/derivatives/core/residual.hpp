@@ -14,21 +14,6 @@ constexpr int CHANGES = 12;  // of the pose, the first six, and of the upper bod
 using ByPose = Dual<POSE>;
 using ByChanges = Dual<CHANGES>;
 
-// Motions that vary by all changes: the upper body's reference point moves with its pose.
-inline RigidMotion<ByChanges> varied(const RigidMotion<double>& motion, const Pose<double>& pose) {
-    using D = ByChanges;
-    auto moving = varied<D>(pose);
-    Vec<D> turn{variable<D>(0.0, 3), variable<D>(0.0, 4), variable<D>(0.0, 5)};
-    auto added = [](const Vec<double>& a, int first) {
-        return Vec<D>{variable<D>(a.x, first), variable<D>(a.y, first + 1), variable<D>(a.z, first + 2)};
-    };
-    Vec<double> arm = motion.wheel.reference - pose.origin;
-    const auto& [velocity, rotation, reference] = motion.rail;
-    return {
-        {added(motion.wheel.velocity, 6), added(motion.wheel.rotation, 9), moving.origin + (arm + cross(turn, arm))},
-        {vec_as<D>(velocity), vec_as<D>(rotation), vec_as<D>(reference)}};
-}
-
 // Mean penetration m over the width of a strip at x m along it.
 inline ByPose mean_depth(Walk& walk, const Pose<ByPose>& pose, double middle, double width, double x) {
     ByPose before = penetration_at(walk, pose, middle - GAUSS * width, x).depth;
@@ -43,7 +28,7 @@ struct ResidualChanges {
     const Lattice& lattice;
     Pose<double> pose = data.motion.pose();
     Pose<ByPose> moving = varied<ByPose>(pose);
-    RigidMotion<ByChanges> motion = varied(data.motion.velocities(), pose);
+    RigidMotion<ByChanges> motion = varied<ByChanges>(data.motion.velocities(), pose);
     long S = data.strips(), block = data.block(), M = data.basis.M();
     Array<double, 3> total{S, block, long(CHANGES)};
 

@@ -1,0 +1,99 @@
+// Python's face of tables of contact forces.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include "contact/models/table/core/force.hpp"
+#include "structures.hpp"
+
+using namespace wr;
+using namespace nanobind::literals;
+
+namespace {
+
+void require(bool fits, const char* text) {
+    if (!fits) throw nb::value_error(text);
+}
+
+// Pose (3,) m and (3, 3) of the wheel, and velocity m/s, angular velocity rad/s and reference m (3,) of the wheel and
+// of the rail.
+struct WheelAndRail {
+    Pose<double> pose;
+    RigidMotion<double> motion;
+
+    WheelAndRail(Numbers origin, Rows rotation, std::array<Numbers, 6> twists) {
+        bool right = origin.size() == 3 && rotation.shape == std::array{3L, 3L};
+        for (const Numbers& of : twists) right = right && of.size() == 3;
+        require(right, "pose, twists: must be (3,) and (3, 3), and six times (3,)");
+        auto of = [&](int k) { return vec_of(twists[k]); };
+        pose = pose_of(origin, rotation);
+        motion = {{of(0), of(1), of(2)}, {of(3), of(4), of(5)}};
+    }
+};
+
+using FourNumbers = std::tuple<double, double, double, double>;
+FourNumbers four(const Four& a) { return {a[0], a[1], a[2], a[3]}; }
+
+}  // namespace
+
+void bind_table(nb::module_& m) {
+    using Unlocked = nb::call_guard<nb::gil_scoped_release>;
+    m.attr("ARM") = TABLE_ARM;
+    structure<Grid>(m, "Grid", {"nodes", "counts", "values", "columns"},
+                    "Values on a tensor product of nodes: nodes of all axes, one after the other, each increasing; "
+                    "their counts by axis, the first one changing slowest; values (nodes * columns,); numbers at a "
+                    "node.");
+    structure<TableData>(m, "TableData", {"normal", "friction", "coefficient", "radius", "lateral"},
+                         "Grids of a `NormalTable` and a `FrictionTable`, coefficient of friction, radius m of the "
+                         "wheel and nominal lateral position m of its tread from the rail's origin.");
+    m.def(
+        "stencil",
+        [](Numbers nodes, double x) {
+            require(nodes.size() > 0, "nodes: must be at least one");
+            Stencil of(nodes, x);
+            return std::tuple{of.first, of.count, four(of.weights), four(of.slopes)};
+        },
+        "nodes"_a, "x"_a,
+        "Weights of the values at up to four of increasing nodes (n,) around an argument: number of the first node, "
+        "number of nodes, weights, zero beyond these, and their derivatives.");
+    m.def(
+        "interpolated",
+        [](const Grid& grid, Numbers at, bool slopes) {
+            require(at.size() == grid.axes(), "at: must have a coordinate for each axis");
+            return values_at(grid, at.data, slopes);
+        },
+        "grid"_a, "at"_a, "slopes"_a, Unlocked(),
+        "Values (1, columns) at coordinates (n,) of all n axes; with slopes (n + 1, columns), with their derivatives.");
+    m.def(
+        "level_at",
+        [](Numbers nodes, Numbers heights, double z) {
+            require(nodes.size() > 1 && heights.size() == nodes.size(), "heights: must be as many as levels, two");
+            return level_at(nodes, heights, z);
+        },
+        "nodes"_a, "heights"_a, "z"_a,
+        "Level at which the interpolated height is z m, from levels (n,) and decreasing heights (n,) m.");
+    m.def("scale_of_creepage", &scale_of_creepage<double>, "level"_a, "coefficient"_a,
+          "Creepage that saturates a wheel, about: proportional to friction and to the cube root of the load.");
+    m.def(
+        "table_force",
+        [](const TableData& data, Numbers origin, Rows rotation, Numbers velocity, Numbers rate, Numbers reference,
+           Numbers rail_velocity, Numbers rail_rate, Numbers rail_reference) {
+            WheelAndRail at(origin, rotation, {velocity, rate, reference, rail_velocity, rail_rate, rail_reference});
+            return table_force(data, at.pose, at.motion);
+        },
+        "data"_a, "origin"_a, "rotation"_a, "velocity"_a, "rate"_a, "reference"_a, "rail_velocity"_a, "rail_rate"_a,
+        "rail_reference"_a, Unlocked(),
+        "Numbers (19,) of a `TableForce` at a pose, (3,) m and (3, 3), and motions of wheel and rail: velocity m/s, "
+        "angular velocity rad/s and reference m (3,). Force is zero at negative levels and speeds; without friction "
+        "and without contact the speed is 1.");
+    m.def(
+        "table_derivative",
+        [](const TableData& data, Numbers origin, Rows rotation, Numbers velocity, Numbers rate, Numbers reference,
+           Numbers rail_velocity, Numbers rail_rate, Numbers rail_reference) {
+            WheelAndRail at(origin, rotation, {velocity, rate, reference, rail_velocity, rail_rate, rail_reference});
+            return table_derivative(data, at.pose, at.motion);
+        },
+        "data"_a, "origin"_a, "rotation"_a, "velocity"_a, "rate"_a, "reference"_a, "rail_velocity"_a, "rail_rate"_a,
+        "rail_reference"_a, Unlocked(),
+        "Derivative (6, 12) of force and moment, see `ContactResult.tangent`; zero without contact or speed.");
+}
