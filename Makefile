@@ -7,7 +7,7 @@ SCENE ?= scenes/curve.toml
 RELEASE ?= trixie
 JOBS ?= 2
 PY = $(VENV)/bin/python
-CORE = $(wildcard bindings/*.cpp wheelrail/support/core/*.hpp vehicle/*/core/*.hpp)
+CORE = $(wildcard bindings/*.[ch]pp) $(shell find contact meshes vehicle wheelrail/support -name '*.hpp')
 TOOLS = PATH=$(abspath $(VENV))/bin:$$PATH
 # One thread per process: the dense blocks are small, and threads that wait cost more than they bring.
 export OMP_NUM_THREADS ?= 1
@@ -30,7 +30,7 @@ bindings/build.ninja: | $(VENV)/ready
 
 test: $(VENV)/ready-to-test
 	$(MAKE) core
-	$(MAKE) -j4 strips-code lint standard-code table-code
+	$(MAKE) lint
 	$(MAKE) suite
 
 # Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.
@@ -48,10 +48,6 @@ sanitize: $(VENV)/ready-to-test
 	@$(MAKE) core
 	$(PY) -m pytest tests/bindings/test_sanitized.py
 
-# Machine code is compiled while types are checked, else every process of the tests would compile it.
-%-code: $(VENV)/ready-to-test
-	PYTHONPATH=. $(PY) tests/helpers/machine_code.py $*
-
 suite: $(VENV)/ready-to-test
 	@$(MAKE) core
 	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN)
@@ -63,10 +59,10 @@ notebooks: $(VENV)/ready-for-notebooks
 	$(PY) -m jupytext --quiet --update --to ipynb notebooks/*.py
 	$(PY) -m jupyterlab --notebook-dir=notebooks $(if $(filter 0,$(shell id -u)),--allow-root) $(LAB)
 
-# The same on an old processor: OpenBLAS's first kernels, and loops without later instructions, compiled anew for minutes.
+# The same on an old processor: OpenBLAS's first kernels, and the core without later instructions.
 test-kernels: $(VENV)/ready-to-test
 	@$(MAKE) core
-	OPENBLAS_CORETYPE=Prescott NUMBA_CPU_NAME=generic WHEELRAIL_CORE=$(CURDIR)/wheelrail/bindings/baseline $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
+	OPENBLAS_CORETYPE=Prescott WHEELRAIL_CORE=$(CURDIR)/wheelrail/bindings/baseline $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
 
 docs: $(VENV)/ready-to-test
 	@$(MAKE) core

@@ -117,8 +117,6 @@ def row(
         contact, processes = with_resolution(contact, resolution), 2
         label = f"elastic, {resolution.strips} x {resolution.cells}"
     end = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length)
-    with console.status(f"{name}, {label}: machine code"):
-        timed(scene, contact, 1, 0.02)
     with console.status(f"{name}, {label}"):
         run = timed(scene, contact, processes, end)
     history, cost = run.history, run.history.cost

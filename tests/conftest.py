@@ -33,8 +33,6 @@ def pytest_configure(config: pytest.Config) -> None:
     """
     if hasattr(config, "workerinput"):
         return  # started by a process that has created it
-    # Machine code, which is named by what it is made of, is the user's: else every session would make all of it.
-    os.environ.setdefault("NUMBA_CACHE_DIR", str(cache_folder()))
     kept = os.environ.get("WHEELRAIL_TEST_CACHE")
     folder = os.environ["WHEELRAIL_CACHE"] = kept or tempfile.mkdtemp(prefix="wheelrail-test-")
     if not kept:

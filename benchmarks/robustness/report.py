@@ -7,8 +7,7 @@ from __future__ import annotations
 import argparse
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
 
@@ -25,7 +24,6 @@ from wheelrail.vehicle.simulation.simulate import simulate
 
 RTOL = 3e-3
 PATIENCE = 300.0  # s, limit of the processor time of a run
-BRIEF = 1e-3  # s, of the run that compiles what the others use
 
 
 @dataclass(frozen=True)
@@ -61,16 +59,8 @@ def run(case: RobustnessCase, rtol: float = RTOL) -> History:
     )
 
 
-@cache
-def compile_for(model: str) -> None:
-    """Machine code of a contact model and the vehicle, which is no part of the time of a run."""
-    first = next(case for case in cases() if case.model == model)
-    run(replace(first, seconds=BRIEF))
-
-
 def examined(case: RobustnessCase) -> Done:
     """Runs a case, and repeats it at tighter tolerances if required."""
-    compile_for(case.model)
     began = process_time()
     history = run(case)
     seconds = process_time() - began

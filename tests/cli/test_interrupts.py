@@ -1,4 +1,4 @@
-"""Ctrl-C in compiled code, in callbacks, while the command is loaded, and repeatedly."""
+"""Ctrl-C in callbacks, while the command is loaded, and repeatedly."""
 
 from __future__ import annotations
 
@@ -9,15 +9,12 @@ import sys
 import threading
 import weakref
 from collections.abc import Iterator
-from contextlib import nullcontext, suppress
 from pathlib import Path
-from typing import Any, NamedTuple
 
-import numba
 import pytest
 
 from wheelrail.support import interrupts
-from wheelrail.support.interrupts import answered_interrupts, check_interrupt, deferred_interrupts
+from wheelrail.support.interrupts import check_interrupt, deferred_interrupts
 
 ROOT = Path(__file__).parents[2]
 
@@ -46,31 +43,6 @@ def test_ctrl_c_is_deferred_to_the_next_check() -> None:
             check_interrupt()
         check_interrupt()  # one Ctrl-C only
     assert done == ["went on"]
-
-
-@pytest.mark.parametrize("deferred", [False, True])
-def test_ctrl_c_while_machine_code_is_made_is_answered_at_once(deferred: bool) -> None:
-    done = []
-    with deferred_interrupts() if deferred else nullcontext():
-        with pytest.raises(KeyboardInterrupt), answered_interrupts():  # noqa: PT012
-            done.append("began")
-            with answered_interrupts():
-                ctrl_c()
-                done.append("went on")
-        check_interrupt()  # one Ctrl-C only
-        with answered_interrupts():
-            done.append("another")
-    assert done == ["began", "another"]
-
-
-def test_ctrl_c_that_a_callback_loses_is_answered_by_the_next_function() -> None:
-    with pytest.raises(KeyboardInterrupt), answered_interrupts():  # noqa: PT012
-        with suppress(KeyboardInterrupt):  # as ctypes and weak references do
-            ctrl_c()
-        with answered_interrupts():
-            pytest.fail("compiled on")
-    with answered_interrupts():
-        pass
 
 
 def test_ctrl_c_is_raised_at_the_end_of_an_unchecked_block() -> None:
@@ -118,32 +90,6 @@ def test_other_threads_are_not_interrupted() -> None:
         thread.start()
         thread.join()
     assert done == [1]
-
-
-class Pair(NamedTuple):
-    one: float
-    two: float
-
-
-def test_compiled_code_completes_its_results(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Numba calls Python to create named tuples and ignores exceptions there."""
-
-    @numba.njit
-    def twice(x: float) -> tuple[Pair, float]:
-        return Pair(x, x), x
-
-    assert twice(1.0) == ((1.0, 1.0), 1.0)
-    made = Pair.__new__
-
-    def interrupted(*given: Any) -> Pair:
-        ctrl_c()
-        return made(*given)
-
-    monkeypatch.setattr(Pair, "__new__", interrupted)
-    found = []
-    with pytest.raises(KeyboardInterrupt), deferred_interrupts():
-        found.append(twice(2.0))
-    assert found == [((2.0, 2.0), 2.0)]
 
 
 def test_ctrl_c_is_not_lost_in_the_callback_of_a_weak_reference() -> None:

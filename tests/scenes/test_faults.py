@@ -328,56 +328,6 @@ def test_no_worker_process_remains(tmp_path: Path, how: signal.Signals) -> None:
     assert all(gone(process) for process in mine)
 
 
-COMPILED = """
-import sys
-import numpy as np
-from numba import config
-from wheelrail.support.compiled import compiled
-from wheelrail.support.machine_code import folder
-def made(place):
-    config.CACHE_DIR = place
-    folder.cache_clear()
-    @compiled
-    def total(values):
-        found = 0.0
-        for value in values:
-            found += value * value
-        return found
-    assert total(np.arange(5.0)) == 30.0
-    return sum(total.stats.cache_hits.values())
-print(*map(made, sys.argv[1:]))
-"""
-
-
-def test_damaged_machine_code_is_recompiled(tmp_path: Path) -> None:
-    script = tmp_path / "script.py"
-    script.write_text(COMPILED)
-
-    def hits(*places: Path, limit: Callable[[], None] | None = None) -> list[int]:
-        line = [sys.executable, str(script), *map(str, places)]
-        done = subprocess.run(line, capture_output=True, text=True, env=ENVIRONMENT, timeout=60, preexec_fn=limit)
-        assert done.returncode == 0, done.stderr
-        return [int(word) for word in done.stdout.split()]
-
-    def full() -> None:
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
-
-    good = tmp_path / "good"
-    assert hits(good, limit=full) == [0]
-    assert hits(good, good) == [0, 1]
-    spoiled = []
-    for ending in ("nbi", "nbc"):
-        for damage in ("empty", "cut", "flipped"):
-            spoiled.append(shutil.copytree(good, tmp_path / f"{ending} {damage}"))
-            (file,) = spoiled[-1].rglob(f"*.{ending}")
-            whole = file.read_bytes()
-            flipped = whole[:-50] + bytes([whole[-50] ^ 4]) + whole[-49:]
-            file.write_bytes({"empty": b"", "cut": whole[: len(whole) // 2], "flipped": flipped}[damage])
-    found = hits(*(place for place in spoiled for _ in range(3)))
-    assert found == [0, 1, 1] * len(spoiled)
-
-
 LITTLE = """
 import resource, signal
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

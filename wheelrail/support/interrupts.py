@@ -1,7 +1,7 @@
 """Deferred interrupts (Ctrl-C).
 
-An exception while compiled code builds its results leaves these corrupt, up to a crash, and one in the callback of a
-weak reference is lost. Such work is done under `deferred_interrupts`, with regular calls of `check_interrupt`.
+An exception in the callback of a weak reference is lost, and one within a step leaves states that do not belong
+together. Such work is done under `deferred_interrupts`, with regular calls of `check_interrupt`.
 """
 
 from __future__ import annotations
@@ -58,41 +58,6 @@ def deferred_interrupts() -> Iterator[None]:
         _waiting = None
         if handler.time is not None:
             before(signal.SIGINT, None)
-
-
-_lost = False  # whether a Ctrl-C was raised in `answered_interrupts` and has not arrived
-
-
-@contextmanager
-def answered_interrupts() -> Iterator[None]:
-    """Ctrl-C is answered at once in this block, also within `deferred_interrupts`: it loses no more than compilation.
-
-    An exception that is lost in a callback is raised again at the next begin or end of such a block.
-    """
-    global _lost
-    before = signal.getsignal(signal.SIGINT)
-    if current_thread() is not main_thread() or not callable(before):
-        yield
-        return
-
-    def raised(number: int, frame: FrameType | None) -> None:
-        global _lost
-        _lost = True
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, raised)
-    try:
-        check_interrupt()
-        if _lost:
-            raise KeyboardInterrupt
-        yield
-        if _lost:
-            raise KeyboardInterrupt
-    except KeyboardInterrupt:
-        _lost = False
-        raise
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def check_interrupt() -> None:

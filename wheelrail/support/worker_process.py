@@ -14,7 +14,7 @@ from typing import Literal
 
 from wheelrail.support.interrupts import deferred_interrupts, ignore
 
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 class WorkerProcess(ProcessPoolExecutor):

@@ -1,10 +1,9 @@
 """Libraries that read settings from the working directory are loaded outside it.
 
-With these files a folder from elsewhere could run code: `.numba_config.yaml` (folder of pickled machine code),
-`.petscrc` (`-dll_prepend` loads a library), `dolfinx_jit_parameters.json` and `ffcx_parameters.json`, from 0.6 on
-`..._options.json` (arguments of the compiler), `matplotlibrc` (`backend: module://..` imports a module). The user's own
-settings, in the home folder and the environment, remain in effect. A library that was loaded before this package is
-left as it is.
+With these files a folder from elsewhere could run code: `.petscrc` (`-dll_prepend` loads a library),
+`dolfinx_jit_parameters.json` and `ffcx_parameters.json`, from 0.6 on `..._options.json` (arguments of the compiler),
+`matplotlibrc` (`backend: module://..` imports a module). The user's own settings, in the home folder and the
+environment, remain in effect. A library that was loaded before this package is left as it is.
 """
 
 from __future__ import annotations
@@ -36,11 +35,6 @@ def outside_working_directory() -> Iterator[None]:
         os.close(present)
 
 
-def _numba() -> None:
-    """Numba reads its file again at every compilation."""
-    import_module("numba.core.config").__dict__["_config_fname"] = os.devnull
-
-
 def _ffcx() -> None:
     _read_options("ffcx.options", "ffcx.parameters")
 
@@ -60,7 +54,6 @@ def _nothing() -> None:
 
 
 LIBRARIES: dict[str, Callable[[], None]] = {
-    "numba": _numba,
     "petsc4py.PETSc": _nothing,
     "ffcx": _ffcx,
     "dolfinx": _dolfinx,
