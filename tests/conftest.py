@@ -16,8 +16,6 @@ from functools import partial
 
 import pytest
 
-from wheelrail.support.cache import cache_folder
-
 # A shell lets background processes ignore Ctrl-C, which processes started by tests would inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
