@@ -26,7 +26,13 @@ void require_values(Rows values, const EquationData& data) {
     require(data.fits(values), "values: must be (S, block) of the strips of the data");
 }
 
+void require_step(Rows values, Rows step) {
+    require(step.shape == values.shape && values.shape[1] >= MOMENTS, "values, steps: must be (S, block)");
+}
+
 void bind_system(nb::module_& m) {
+    m.attr("SLOPES") = SLOPES;
+    m.attr("OPENING") = OPENING;
     structure<EquationData>(m, "EquationData", {"tables", "surface", "motion", "places", "basis", "law", "rho"},
                             "Data of the equations of some strips at a pose; rho (M,) 1/Pa of the friction residual.");
     structure<StripCells>(
@@ -120,11 +126,70 @@ void bind_system(nb::module_& m) {
         "Touching parts (S,) of the width, or roots of the load over that on the whole width where this is larger: "
         "penetration depth (S,) m without load, displacement compliance (S,) m under the load on the whole width, and "
         "onset (S,) m.");
+    structure<PartialWidths>(
+        m, "PartialWidths", {"onset", "whole"},
+        "Onset (K,) m of strips, their mean gap when they begin to touch at one edge, and the depth "
+        "(K,) m of the parabola along them when they touch on their whole width.");
+    structure<PartialWidthChanges>(m, "PartialWidthChanges", {"onset", "whole"},
+                                   "Relative derivatives (S, n) of `PartialWidths`.");
+    m.def(
+        "partial_widths",
+        [](Numbers depth, Numbers curvature, Numbers middle, Numbers width) {
+            long K = depth.size();
+            require(curvature.size() == K && middle.size() == K && width.size() == K, "curvature to width: as depth");
+            return partial_widths(depth, curvature, middle, width);
+        },
+        "depth"_a, "curvature"_a, "middle"_a, "width"_a, Released(),
+        "`PartialWidths` of strips: undeformed penetration depth (K,) m, -inf far from contact; relative curvature "
+        "(K,) 1/m along x; middle and width (K,) m.");
+    m.def(
+        "partial_width_changes",
+        [](Rows depth, Numbers curvature, Rows middle, Numbers width, Blocks change) {
+            std::array three{depth.size(), 3L};
+            require(depth.shape == three && middle.shape == three && change.shape[1] == 3, "depth, middle: (S, 3)");
+            require(curvature.size() == three[0] && width.size() == three[0] && change.size() == three[0], "(S,)");
+            return partial_width_changes(depth, curvature, middle, width, change);
+        },
+        "depth"_a, "curvature"_a, "middle"_a, "width"_a, "change"_a, Released(),
+        "`PartialWidthChanges` of strips: depth and middle (S, 3) m, of them and the next ones on either side; "
+        "curvature (S,) 1/m and width (S,) m; derivatives change (S, 3, n) of the penetration.");
+    m.def(
+        "opening_changes",
+        [](double load, double onset, double whole) {
+            OpeningChanges at(load, onset, whole);
+            return std::pair{at.onset, at.whole};
+        },
+        "load"_a, "onset"_a, "whole"_a,
+        "Derivatives m of `opening` by relative changes of onset and whole, for a load below the latter.");
+    m.def(
+        "relative_size",
+        [](Rows values, Rows step) {
+            require_step(values, step);
+            auto at = relative_size(values, step);
+            return std::pair{at.largest, at.norm};
+        },
+        "values"_a, "step"_a, Released(),
+        "Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length.");
+    m.def(
+        "inner_product",
+        [](Rows values, Rows first, Rows second) {
+            require_step(values, first), require_step(values, second);
+            return inner_product(values, first, second);
+        },
+        "values"_a, "first"_a, "second"_a, Released(), "That of two steps (S, block), of the norm of `relative_size`.");
+    m.def(
+        "leaving",
+        [](Rows values, Rows step, double size, Numbers whole) {
+            require_step(values, step);
+            require(whole.size() == values.size(), "whole: must be (S,)");
+            return leaving(values, step, size, whole);
+        },
+        "values"_a, "step"_a, "size"_a, "whole"_a, Released(), "Strips (S,) that leave by a step of a relative size.");
     m.def(
         "moved",
         [](Rows values, Rows step, double factor, Numbers whole) {
-            require(step.shape == values.shape && whole.size() == values.size() && values.shape[1] >= MOMENTS,
-                    "values, step, whole: must be (S, block), (S, block), (S,)");
+            require_step(values, step);
+            require(whole.size() == values.size(), "whole: must be (S,)");
             return moved(values, step, factor, whole);
         },
         "values"_a, "step"_a, "factor"_a, "whole"_a, Released(),
@@ -245,6 +310,30 @@ void bind_solver(nb::module_& m) {
         m, "Probes", {"lattice", "first", "second"},
         "Where the remaining penetration is evaluated: all strips, and equal cells along the probed range "
         "and around its maximum.");
+    structure<Steps>(m, "Steps",
+                     {"converged", "values", "step", "leaves", "size", "first", "evaluation", "evaluations"},
+                     "State after some steps with the same factors.");
+    m.def(
+        "chords",
+        [](const Array<double, 2>& values, const EquationData& data, const Factors& factors, const Lapack& solver,
+           double tolerance, double farthest) {
+            require_values(values, data);
+            require(fit(factors, values.size(), data.mode() / 2, values.shape[1]), "factors: of other strips");
+            return chords(values, data, factors, solver, tolerance, farthest);
+        },
+        "values"_a, "data"_a, "factors"_a, "solver"_a, "tolerance"_a, "farthest"_a, Released(),
+        "`Steps` from values (S, block) with the factors of an earlier state; tolerance of the last step, relative; "
+        "farthest: first step beyond which the state is of no use.");
+    m.def(
+        "maximum",
+        [](Numbers means, double low, double high) {
+            require(means.size() > 2, "means: at least three");
+            auto at = maximum(means, low, high);
+            return std::tuple{at.height, at.place, at.curvature};
+        },
+        "means"_a, "low"_a, "high"_a, Released(),
+        "Maximum m, its place m and the curvature 1/m of the parabola with the largest of means (C,) m over cells from "
+        "low to high m and the next ones.");
     m.def(
         "excess",
         [](Rows values, const EquationData& data, const Lattice& lattice, Numbers onset, const StripBasis& basis,

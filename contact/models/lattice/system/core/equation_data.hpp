@@ -81,9 +81,9 @@ struct Linearisation {
 
     auto fields() { return std::tie(evaluation, jacobian, slips, slopes); }
     bool fits() const {
-        long S = evaluation.residual.size(), n = evaluation.residual.count(), M = slopes.shape[1];
-        return jacobian.shape == std::array{n, n} && slips.shape == std::array{S, 2 * M, n} &&
-               slopes.shape == std::array{S, M, long(SLOPES)};
+        long S = slips.size(), n = jacobian.size(), M = slopes.shape[1];
+        return S > 0 && n % S == 0 && n / S >= MOMENTS && jacobian.shape == std::array{n, n} &&
+               slips.shape == std::array{S, 2 * M, n} && slopes.shape == std::array{S, M, long(SLOPES)};
     }
 };
 
