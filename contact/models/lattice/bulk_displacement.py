@@ -12,13 +12,12 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.bindings._contact import strip_loads, strips_beside_bulk
 from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
 from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection, hats
 from wheelrail.contact.models.lattice.influence.bulk import BulkCompliance, bulk_displacements, bulk_places
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.equations import strip_loads
-from wheelrail.contact.models.lattice.system.penetrated_width import strips_beside_bulk
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.support.arrays import Array, Nodes
 
@@ -44,9 +43,7 @@ class BulkDisplacement:
 
     @property
     def strips_across(self) -> float:
-        """Number of strips across the penetration less this displacement, see
-        `wheelrail.contact.models.lattice.system.penetrated_width.strips_across`.
-        """
+        """Number of strips across the penetration less this displacement, by its means over the strips."""
         problem, state = self.problem, self.solution.state
         tables = problem.tables
         at = state.values, problem.of(state.strips), problem.lines, tables.lattice, tables.slenderness

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wheelrail.bindings._contact import maxima, penetrated_width, strips_across
 from wheelrail.contact.models.lattice.bulk_displacement import NONE, BulkDisplacement
 from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.penetrated_width import maxima, penetrated_width, strips_across
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import motion_data
 from wheelrail.support.arrays import Array

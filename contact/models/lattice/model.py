@@ -22,15 +22,14 @@ from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_b
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.contact.models.lattice.levels import ORDINARY, LevelShares, LevelSolutions, level_shares
-from wheelrail.contact.models.lattice.resolution import LatticeResolution
+from wheelrail.contact.models.lattice.resolution import LatticeResolution, strips_apart
 from wheelrail.contact.models.lattice.results import contact_result
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
 from wheelrail.contact.models.lattice.solver.entry import penetrating
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.system.contact_lines import MARGIN, strips_apart
 from wheelrail.contact.models.lattice.system.friction import CellFriction
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.system.surface import SurfaceData, surface_data
+from wheelrail.contact.models.lattice.system.problem import MARGIN, LatticeProblem
+from wheelrail.contact.models.lattice.system.surface import surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
@@ -255,7 +254,7 @@ class LatticeContact:
             earlier = earlier.on(self.level)
         elif self.level > 0:
             return None
-        if not isinstance(earlier, LatticeSolution) or not earlier.factors.single:
+        if not isinstance(earlier, LatticeSolution):
             return None
         if earlier.state.values.shape[1] != self._block:
             return None

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 LEAST_STRIPS, LEAST_CELLS = 4, 6
+APART = 2 / 7  # of a usual patch's width: distance of the strips at which the penetration is estimated first
+MOST_APART = 4  # strips
 
 
 @dataclass(frozen=True)
@@ -25,3 +27,8 @@ class LatticeResolution:
     def coarsened(self) -> LatticeResolution:
         """Half as many strips and cells, or the least numbers."""
         return LatticeResolution(max(self.strips // 2, LEAST_STRIPS), max(self.cells // 2, LEAST_CELLS))
+
+
+def strips_apart(strips: int) -> int:
+    """Distance, in strips, of those at which the penetration is estimated first; strips: over a usual patch."""
+    return min(max(round(APART * strips), 1), MOST_APART)

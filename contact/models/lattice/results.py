@@ -6,13 +6,12 @@ from functools import partial
 
 import numpy as np
 
+from wheelrail.bindings._contact import resultants, strip_cells
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.patches import patch_rows
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.cells import strip_cells
-from wheelrail.contact.models.lattice.system.equations import resultants
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.results.patch_sums import patches_of

@@ -6,19 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wheelrail.bindings._contact import OPENING, Probes, Remaining, excess, pressed, search
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, equal_cells
 from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
 from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.solver.cold_start import state_of_cells
-from wheelrail.contact.models.lattice.solver.remaining import (
-    Probes,
-    Remaining,
-    excess,
-    search,
-)
-from wheelrail.contact.models.lattice.system.partial_width import OPENING, pressed
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.solvers.active_set import normal_contact
@@ -122,7 +116,7 @@ def entered(problem: LatticeProblem, state: LatticeState, found: Overlaps) -> La
     """
     if not len(found.strips):
         return None
-    new, (low, high) = found.strips, found.ends.T
+    new, (low, high) = found.strips, np.ascontiguousarray(found.ends.T)
     for widening in range(WIDENINGS):
         depth = remaining_penetration(problem, state, new, low, high)
         cut = depth[:, [0, -1]] > 0

@@ -12,37 +12,41 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.bindings._contact import (
+    BodyTables,
+    ContactLines,
+    EquationData,
+    Evaluation,
+    Motion,
+    PairTables,
+    Penetration,
+    PoseMeans,
+    ResidualCode,
+    StripBasis,
+    StripPlaces,
+    SurfaceData,
+    contact_lines,
+    evaluate,
+    frames,
+    opening,
+    penetration,
+)
 from wheelrail.contact.elasticity.waveguide.influence import BEYOND
 from wheelrail.contact.geometry.interpenetration import TOO_DEEP, UNSOLVED, overlap_text
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.laws.residual_call import ResidualCode
-from wheelrail.contact.models.lattice.influence.basis import StripBasis, Tangential
-from wheelrail.contact.models.lattice.influence.pair_tables import BodyTables, LatticeTables, PairTables, PoseMeans
+from wheelrail.contact.models.lattice.influence.basis import Tangential
+from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.system.contact_lines import MARGIN, ContactLines, contact_lines
-from wheelrail.contact.models.lattice.system.equations import (
-    EquationData,
-    Evaluation,
-    StripPlaces,
-    evaluate,
-)
 from wheelrail.contact.models.lattice.system.friction import CellFriction
-from wheelrail.contact.models.lattice.system.partial_width import opening
 from wheelrail.contact.models.lattice.system.state import LatticeState
-from wheelrail.contact.models.lattice.system.surface import (
-    Motion,
-    Penetration,
-    SurfaceData,
-    frames,
-    motion_data,
-    penetration,
-)
+from wheelrail.contact.models.lattice.system.surface import motion_data
 from wheelrail.support.arrays import Array, Nodes
 
-NO_FRICTION = ResidualCode(0, 0, 0, np.zeros(0), 0.0)
+NO_FRICTION = ResidualCode(None, np.zeros(0), 0.0)
+MARGIN = 3e-4  # m, largest gap that displacements may close, also between two strips: ordinary ones
 INSIDE = 1e-3  # m, below the rail's surface along the vertical: of a wheel inside it, beyond errors of the samples
 MISSED = 1e-4  # m, largest overlap that strips may miss: as means over their widths, they have a few um less
 SAMPLES = 400  # of the rail's profile

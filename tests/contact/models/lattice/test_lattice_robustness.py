@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from wheelrail.bindings._contact import leaving, maximum
 from wheelrail.contact.analytical.hertz import hertz, modulus
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
@@ -35,8 +36,7 @@ from wheelrail.contact.models.lattice.resolution import LEAST_CELLS
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
 from wheelrail.contact.models.lattice.solver.entry import remaining_penetration
 from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.solver.remaining import _maximum
-from wheelrail.contact.models.lattice.system.state import LatticeState, leaving
+from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
@@ -449,7 +449,7 @@ def test_largest_remaining_penetration_by_means_over_cells() -> None:
     x = np.linspace(low, high, cells + 1)
     for place in (0.0, 0.3, 4.5):
         means = np.diff(2.0 * x - (x - place) ** 3 / 6) / np.diff(x)
-        np.testing.assert_allclose(_maximum(means, low, high), [2.0, place, 1.0], rtol=0, atol=1e-12)
+        np.testing.assert_allclose(maximum(means, low, high), [2.0, place, 1.0], rtol=0, atol=1e-12)
 
 
 def start(result: ContactResult) -> LatticeState:

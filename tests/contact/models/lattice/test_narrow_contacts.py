@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from test_lattice import STEEL, flowing, rolling, wheelset
 
+from wheelrail.bindings._contact import maxima, penetrated_width
 from wheelrail.contact.analytical.hertz import Hertz, axis_stress, hertz, modulus
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.friction import FallingFriction
@@ -22,7 +23,6 @@ from wheelrail.contact.models.lattice.levels import ENOUGH, ORDINARY, LevelSolut
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.penetrated_width import maxima, penetrated_width
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import motion_data
 from wheelrail.contact.results.result import ContactResult

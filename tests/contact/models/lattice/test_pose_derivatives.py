@@ -11,6 +11,7 @@ from scipy.special import roots_legendre
 from test_lattice import ellipse, exact, flowing, rolling, wheelset
 from test_tangent import nudged
 
+from wheelrail.bindings._contact import SLOPES, Evaluation
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.discretisation import Bodies
@@ -18,7 +19,6 @@ from wheelrail.contact.models.lattice.derivatives.residual import residual_chang
 from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.equations import SLOPES, Evaluation
 from wheelrail.support.arrays import Array
 
 PATHS = np.repeat([2e-6, 2e-6, 1e-3, 1e-3], 3)  # m, rad, m/s, rad/s, to both sides
