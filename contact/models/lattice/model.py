@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from wheelrail.bindings._contact import SurfaceData
 from wheelrail.contact.geometry.interpenetration import TOO_DEEP
 from wheelrail.contact.geometry.strip_lattice import cells_along, lattice_sides
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
