@@ -6,11 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wheelrail.bindings._contact import OPENING, Probes, Remaining, excess, pressed, search
+from wheelrail.bindings._contact import (
+    OPENING,
+    Probes,
+    Remaining,
+    StripGrid,
+    cell_operator,
+    excess,
+    pressed,
+    search,
+)
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.influence.basis import StripBasis, equal_cells
-from wheelrail.contact.models.lattice.influence.cell_compliance import cell_operator
-from wheelrail.contact.models.lattice.influence.operator import StripGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.solver.cold_start import state_of_cells
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem

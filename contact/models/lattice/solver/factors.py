@@ -10,6 +10,7 @@ from scipy.linalg import cython_lapack
 
 from wheelrail.bindings._contact import SLOPES, Evaluation, Factors, KeptFactors, Lapack
 
+SINGULAR = "the Jacobian of the contact is singular"
 NONE = np.zeros((0, 0), dtype=np.float32)
 NO_FACTORS = KeptFactors(
     False,

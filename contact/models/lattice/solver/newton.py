@@ -26,6 +26,7 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG as TOO_FAR
 from wheelrail.contact.models.lattice.solver.entry import UNCERTAIN, entered, entering, overlaps, probes_of
 from wheelrail.contact.models.lattice.solver.factors import NO_FACTORS, lapack
+from wheelrail.contact.models.lattice.solver.factors import SINGULAR as SINGULAR_JACOBIAN
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.solvers.options import IterationCount, NotConverged
@@ -38,7 +39,7 @@ EXCHANGES = 3  # times that a strip may leave before it must stay out, for the t
 UNINTERRUPTED = 1e9  # multiplications of factorisations without a look at Ctrl-C: 0.1 s
 RELEASES = 2  # times that such strips may enter again
 FAILURES = {
-    SINGULAR: "the Jacobian of the contact is singular",
+    SINGULAR: SINGULAR_JACOBIAN,
     TOO_LONG: "the first step is too long",
     NOT_FINITE: "the step of the contact is not finite",
 }
