@@ -8,10 +8,18 @@ from typing import Protocol
 
 import numpy as np
 
-from wheelrail.bindings._contact import Lines, Scan, lines_to_scan, nearest_place, profile_places, scan, wheel_points
+from wheelrail.bindings._contact import (
+    Lines,
+    PenetrationRegions,
+    Scan,
+    lines_to_scan,
+    nearest_place,
+    profile_places,
+    scan,
+    wheel_points,
+)
 from wheelrail.contact.geometry.interpenetration import (
     UNSOLVED,
-    PenetrationRegions,
     overlap,
     overlap_text,
     profile_regions,
