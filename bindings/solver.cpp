@@ -68,6 +68,10 @@ void require_lattice(const EquationData& data, const Lattice& lattice, long K) {
 }
 
 void bind_iteration(nb::module_& m) {
+    std::pair<const char*, Event> events[] = {
+        {"CONVERGED", CONVERGED}, {"ENTRY", ENTRY},       {"LEAVES", LEAVES},     {"PAUSED", PAUSED},
+        {"OUTSIDE", OUTSIDE},     {"SINGULAR", SINGULAR}, {"TOO_LONG", TOO_LONG}, {"NOT_FINITE", NOT_FINITE}};
+    for (auto [name, event] : events) m.attr(name) = int(event);
     structure<Probes>(
         m, "Probes", {"lattice", "first", "second"},
         "Where the remaining penetration is evaluated: all strips, and equal cells along the probed range "
@@ -129,6 +133,7 @@ void bind_iteration(nb::module_& m) {
             require_values(values, data), require_lattice(data, probes.lattice, lines.near.size());
             require_strips(barred, lines.near.size());
             require(!kept.valid || (kept.evaluation.residual.shape == values.shape &&
+                                    kept.evaluation.slip.shape == std::array{values.size(), 2L, data.basis.M()} &&
                                     fit(kept.factors, values.size(), data.mode() / 2, values.shape[1])),
                     "kept: factors of other strips");
             return advance(values, data, kept, earlier, entered, limits, solver, probes, lines, barred);
