@@ -14,33 +14,21 @@ import argparse
 from collections.abc import Callable
 from pathlib import Path
 from time import process_time
-from typing import Any
 
 import numpy as np
 
 from benchmarks.common.machine import machine_description
+from wheelrail.bindings._contact import table_force
 from wheelrail.cli.output import print_results
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
-from wheelrail.contact.models.table.force import table_force
 from wheelrail.contact.models.table.force_table import ForceTable
 from wheelrail.contact.models.table.model import TableContact
 from wheelrail.scenes.datasets.force_table import force_tables
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.tables.make import table_results
-from wheelrail.support.compiled import compiled
 
 PARTS, CALLS = 10, 2000
 SPEED = 20.0  # m/s
-
-
-@compiled
-def look_ups(normal: Any, friction: Any, place: Any, pose: Any, twists: Any, steps: Any, count: int) -> float:
-    """Sum of vertical forces at positions that move by a step (3,) m each."""
-    total, origin = 0.0, pose[0].copy()
-    for _ in range(count):
-        origin += steps
-        total += table_force(normal, friction, place, (origin, pose[1]), twists)[2]
-    return total
 
 
 def middle(table: ForceTable) -> tuple[Pose, RigidMotion]:
@@ -70,10 +58,9 @@ def costs(table: ForceTable) -> dict[str, float]:
     """Processor times, us."""
     pose, motion = middle(table)
     contact = TableContact(table)
-    steps = np.array([0.0, 1e-9, -1e-12])
-    arguments = *table.arguments(pose, motion), steps, CALLS
+    arguments = table.arguments(pose, motion)
     return {
-        "compiled look-up": microseconds(lambda: look_ups(*arguments), CALLS),
+        "look-up": microseconds(lambda: [table_force(*arguments) for _ in range(CALLS)], CALLS),
         "derivative (6 x 12)": microseconds(lambda: [table.derivative(pose, motion) for _ in range(20)], 20),
         "contact of a wheel in Python": microseconds(lambda: [contact(pose, motion) for _ in range(100)], 100),
     }

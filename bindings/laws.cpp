@@ -135,12 +135,6 @@ void bind_laws(nb::module_& m) {
         .def(
             "__init__",
             [](FrictionCode* self, const std::string& path) { new (self) FrictionCode(friction_code(path)); }, "path"_a)
-        .def_prop_ro("addresses",
-                     [](const FrictionCode& code) {
-                         return std::tuple{reinterpret_cast<long>(code.mean_residual),
-                                           reinterpret_cast<long>(code.mean_slopes),
-                                           reinterpret_cast<long>(code.bounds)};
-                     })
         .def_ro("depends_on_speed", &FrictionCode::depends_on_speed)
         .def_ro("depends_on_pressure", &FrictionCode::depends_on_pressure)
         .def("coefficient", &coefficient, "w"_a, "p"_a, "parameters"_a, Unlocked())

@@ -9,9 +9,9 @@ import numpy as np
 
 from benchmarks.common.models import Ellipse, carrying, frictional, hertz_model, pressed, rolling, solved
 from benchmarks.common.reference_table import TableSection, measure, reference
+from wheelrail.bindings._contact import stick_lengths
 from wheelrail.contact.analytical.carter import carter
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.results.patch_moments import stick_lengths
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from wheelrail.bindings._contact import BodyDisplacements
 from wheelrail.contact.elasticity.compliance import Compliance, condense
 from wheelrail.contact.geometry.contact_operators import pair_operators
 from wheelrail.contact.geometry.grid_points import GridPoints, SurfacePair
@@ -19,7 +20,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.grid_displacement import body_displacements
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
-from wheelrail.contact.results.touching_material import BodyDisplacements, symmetric
+from wheelrail.contact.results.touching_material import symmetric
 from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, NotConverged
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions, solve_tractions

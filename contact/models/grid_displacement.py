@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from wheelrail.bindings._contact import BodyDisplacements
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.geometry.contact_operators import pair_operators
 from wheelrail.contact.geometry.grid_points import GridPoints
-from wheelrail.contact.results.touching_material import BodyDisplacements
 from wheelrail.support.arrays import Array
 
 

@@ -9,12 +9,19 @@ from functools import partial
 import numpy as np
 from scipy import ndimage
 
+from wheelrail.bindings._contact import (
+    PATCH_NUMBERS,
+    BodyDisplacements,
+    PatchPoints,
+    on_material,
+    patch_sums,
+    store_patch,
+)
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.contact.kinematics.left_pair import velocities_of
-from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchPoints, patch_sums, patches_of, store_patch
+from wheelrail.contact.results.patch_sums import patches_of
 from wheelrail.contact.results.result import ContactResult, Fields, LazyPatches, Patch, Statistics
-from wheelrail.contact.results.touching_material import BodyDisplacements, on_material
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 
@@ -104,7 +111,7 @@ class FrictionalWork:
     ) -> tuple[Patch, ...]:
         """All patches (n,), by decreasing load, from pressures (n,) Pa; bodies: as for `assemble_result`."""
         points, velocities = self.points, velocities_of(self.motion)
-        fixed = np.ascontiguousarray  # machine code is for one layout
+        fixed = np.ascontiguousarray  # as the core takes them
         cells = PatchPoints(
             fixed(points.point),
             fixed(points.axes),
@@ -123,9 +130,10 @@ class FrictionalWork:
             inside = patch == k
             sums = patch_sums(inside, cells, velocities, self.speed)
             if moved is not None:
-                own = BodyDisplacements(*(part[inside] for part in moved))
+                own = BodyDisplacements(*(part[inside] for part in (moved.wheel, moved.rail, moved.wheel_normal)))
                 sums = on_material(sums, own, points.wheel_place[inside, 0], (pressure * points.area)[inside])
-            store_patch(sums._replace(strips=rows_of_points(points.wheel_place[inside, 0])), sums.peak, row)
+            store_patch(sums, sums.peak, row)
+            row[-1] = rows_of_points(points.wheel_place[inside, 0])
         return patches_of(rows)
 
 

@@ -10,12 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from wheelrail.bindings._contact import ARM, interpolated, scale_of_creepage
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.load_search import LoadError, Results, find_depth_for_load
-from wheelrail.contact.models.table.force import ARM, scale_of_creepage
 from wheelrail.contact.models.table.force_table import NormalTable, TreadFrame
-from wheelrail.contact.models.table.lookup import contact_of_level
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -119,7 +118,7 @@ class TableSampler:
 
     def at_level(self, table: NormalTable, y: float, roll: float, yaw: float, level: float) -> TableContactPoint:
         """Contact without friction where the table has a level of the load."""
-        values = contact_of_level(table.grid, y, roll, yaw, level)
+        values = interpolated(table.grid, np.array([y, roll, yaw, level]), False)[0]
         z = float(values[0])
         load, pose = level**1.5, self.frame.pose(y, z, roll, yaw)
         point = self._tread(pose) + values[1:4]
@@ -136,7 +135,7 @@ class TableSampler:
             turn: further rotation rate about z over speed, 1/m.
         """
         pose = self.frame.pose(*at.position)
-        scale = float(scale_of_creepage(at.level, self.coefficient).real)
+        scale = scale_of_creepage(at.level, self.coefficient)
         longitudinal, lateral = scale * creepage[0], scale * creepage[1]
         slip_x = SPEED * longitudinal / (1.0 + 0.5 * longitudinal)  # the rolling speed is SPEED - slip_x / 2
         slip = slip_x * at.axes[0] + (SPEED - 0.5 * slip_x) * lateral * at.axes[1]

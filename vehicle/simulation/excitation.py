@@ -8,9 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.bindings._vehicle import differ
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import borrowing
 from wheelrail.vehicle.loads.load_table import LoadTable
 from wheelrail.vehicle.multibody.coordinates import RATE_SCALE
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
@@ -22,7 +22,6 @@ from wheelrail.vehicle.track.track import Track
 TOLERANCES = 10.0  # that a step may overlook: several are of the size of the errors within a step
 STIFFNESS = 1e9  # N/m, of a steel wheel on its rail, by Hertz 1.0 to 1.4e9 at 50 to 100 kN
 SHORTEST = 1e-9  # s
-PARTS = 4  # of each smooth piece, at whose ends the function and its derivatives are compared
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ class Prescribed:
 
     @cached_property
     def _arrays(self) -> tuple[Array, Array, Array]:
-        """Starts, coefficients and places in the order of rows, for which the compiled function is made."""
+        """Starts, coefficients and places in the order of rows."""
         starts, coefficients = self.functions.starts, self.functions.coefficients
         return np.ascontiguousarray(starts), np.ascontiguousarray(coefficients), np.ascontiguousarray(self.places)
 
@@ -214,76 +213,3 @@ def _linear(table: LoadTable, factor: float) -> LocalPolynomials:
     coefficients[:, 0, 0] = factor * np.append(value[0], value)
     coefficients[1:-1, 1, 0] = factor * np.diff(value) / np.diff(at)
     return LocalPolynomials(np.append(at[0], at), coefficients)
-
-
-@borrowing
-def differ(starts: Array, coefficients: Array, places: Array, start: float, end: float, limits: Array) -> bool:
-    """Whether a function, somewhere between two abscissae, differs by more than some limits, see `differs`.
-
-    Parameters:
-        starts: (m,), of the pieces, the first and the last of which are unbounded.
-        coefficients: (m, degree + 1, k), see `LocalPolynomials`.
-        places: (p,) that are added to both abscissae, one after the other.
-        start, end: abscissae.
-        limits: (5,).
-    """
-    for place in places:
-        for k in range(coefficients.shape[2]):
-            if differs(starts, coefficients, k, start + place, end + place, limits):
-                return True
-    return False
-
-
-@borrowing
-def differs(starts: Array, coefficients: Array, function: int, first: float, last: float, limits: Array) -> bool:
-    """Whether a function differs, between two abscissae, from the cubic through its values and slopes at both: in value
-    or slope by more than the first two of some limits, or in value, slope and second derivative by the others.
-    """
-    span, begin = last - first, piece_at(starts, first)
-    at_start, left, _ = derivatives_of(starts, coefficients, begin, function, first)
-    at_end, right, _ = derivatives_of(starts, coefficients, piece_at(starts, last), function, last)
-    rise, left, right = at_end - at_start, left * span, right * span
-    bend, piece, low = left + right - 2.0 * rise, begin, first
-    value, slope, second = 0.0, 0.0, 0.0
-    while low < last:
-        high = min(last, starts[piece + 1]) if piece + 1 < len(starts) else last
-        for part in range(PARTS + 1):
-            s = low + (high - low) * part / PARTS
-            u = (s - first) / span
-            there, tilt, curve = derivatives_of(starts, coefficients, piece, function, s)
-            cubic = u * (rise + (1.0 - u) * (left - rise - u * bend))
-            cubic_slope = (left + u * (2.0 * (rise - left - bend) + 3.0 * u * bend)) / span
-            cubic_second = (2.0 * (rise - left - bend) + 6.0 * u * bend) / span**2
-            value = max(value, abs(there - at_start - cubic))
-            slope = max(slope, abs(tilt - cubic_slope))
-            second = max(second, abs(curve - cubic_second))
-        if value > limits[0] or slope > limits[1] or (value > limits[2] and slope > limits[3] and second > limits[4]):
-            return True
-        piece, low = piece + 1, high
-    return False
-
-
-@borrowing
-def piece_at(starts: Array, s: float) -> int:
-    """Index of the piece at an abscissa."""
-    low, high = 0, len(starts) - 1
-    while low < high:
-        middle = (low + high + 1) // 2
-        if s >= starts[middle]:
-            low = middle
-        else:
-            high = middle - 1
-    return low
-
-
-@borrowing
-def derivatives_of(
-    starts: Array, coefficients: Array, piece: int, function: int, s: float
-) -> tuple[float, float, float]:
-    """Value, slope and second derivative of a polynomial of a piece."""
-    x, value, slope, half = s - starts[piece], 0.0, 0.0, 0.0
-    for power in range(coefficients.shape[1] - 1, -1, -1):
-        half = half * x + slope
-        slope = slope * x + value
-        value = value * x + coefficients[piece, power, function]
-    return value, slope, 2.0 * half

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
+from wheelrail.bindings._contact import BodyDisplacements
 from wheelrail.contact.elasticity.compliance import Compliance, condense
 from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
 from wheelrail.contact.geometry.grid_points import GridPoints
 from wheelrail.contact.models.full.primal_dual import primal_dual_tangent
 from wheelrail.contact.models.full.surface_traction import SurfaceLaw
-from wheelrail.contact.results.touching_material import BodyDisplacements
 from wheelrail.support.arrays import Array, Nodes
 from wheelrail.support.mpi import Ranks
 

@@ -12,7 +12,7 @@ from the last displacements.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from time import perf_counter
 
 import numpy as np
@@ -30,7 +30,7 @@ from wheelrail.contact.models.full.surface_traction import SurfaceLaw
 from wheelrail.contact.models.full.two_body_stiffness import two_body_stiffness, with_rigid_motions
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
-from wheelrail.contact.results.touching_material import BodyDisplacements, symmetric
+from wheelrail.contact.results.touching_material import symmetric
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array, Nodes
@@ -126,9 +126,7 @@ class FullContact:
         displacement[:, 3 - local.shape[1] :] = local
         tangential = traction[:, 1:] if order else np.zeros((n, 2))
         bound = self.laws.friction_bound(-traction[:, 0], np.hypot(*z[:, 1:].T) if order else np.zeros(n), speed)
-        bodies = None
-        if not symmetric(points, tangential):
-            bodies = partial(BodyDisplacements, *body_displacements(points, u, (self.wheel, self.rail)))
+        moved = None if symmetric(points, tangential) else body_displacements(points, u, (self.wheel, self.rail))
         result = assemble_result(
             FrictionalWork.below(bound, points, tangential, motion, speed),
             node=points.node,
@@ -144,7 +142,7 @@ class FullContact:
                 residual=count.residual,
                 seconds={"points": ready - began, "solve": solved - ready},
             ),
-            bodies=bodies,
+            bodies=None if moved is None else lambda: moved,
         )
         tangent = None
         if problem.compliance is not None:

@@ -13,12 +13,12 @@ from functools import cached_property
 import numpy as np
 
 from wheelrail.bindings._contact import strip_loads, strips_beside_bulk
-from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
 from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection, hats
 from wheelrail.contact.models.lattice.influence.bulk import BulkCompliance, bulk_displacements, bulk_places
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
+from wheelrail.contact.solvers.tangent import CHANGES
 from wheelrail.support.arrays import Array, Nodes
 
 NONE = np.zeros((2, 1))

@@ -17,10 +17,10 @@ import numpy as np
 
 from wheelrail.bindings._contact import maxima, penetrated_width, strips_across
 from wheelrail.contact.models.lattice.bulk_displacement import NONE, BulkDisplacement
-from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.surface import motion_data
+from wheelrail.contact.solvers.tangent import CHANGES
 from wheelrail.support.arrays import Array
 
 LEAST = 1 / 2  # of the strips asked for, across the penetration: an ellipse of half-spaces has 0.7 as many loaded ones

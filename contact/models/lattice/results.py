@@ -6,11 +6,10 @@ from functools import partial
 
 import numpy as np
 
-from wheelrail.bindings._contact import resultants, strip_cells
+from wheelrail.bindings._contact import patch_rows, resultants, strip_cells
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.patches import patch_rows
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
@@ -39,10 +38,10 @@ def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistic
 def _patches(problem: LatticeProblem, state: LatticeState) -> tuple[Patch, ...]:
     """Patches of a state, by decreasing load. Raises OutsideSurface."""
     bodies, modulus = problem.bodies(state.strips), problem.tables.modulus
-    inside, rows = patch_rows(state.values, problem.of(state.strips), bodies, modulus)
-    if not inside:
+    patches = patch_rows(state.values, problem.of(state.strips), bodies, modulus)
+    if not patches.inside:
         raise OutsideSurface(TOO_LONG)
-    return patches_of(rows)
+    return patches_of(patches.rows)
 
 
 def _fields(problem: LatticeProblem, state: LatticeState) -> Fields:

@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from wheelrail.bindings._contact import Grid, TableData, table_derivative, table_force
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.models.table.force import table_derivative, table_force
-from wheelrail.contact.models.table.interpolation import Grid
 from wheelrail.support.arrays import Array
 
 UNITS = {"y": "m", "roll": "rad", "yaw": "rad"}
@@ -32,7 +31,7 @@ class NormalTable:
             the tread, m; lateral force, longitudinal force over the vertical one; moment about that point over it, m.
 
     The tread is the lowest point of the rolling circle, (0, 0, -radius) in the axes of the wheel without spin. Raises
-    ValueError for arrays that compiled code cannot look up, see `check_grid`.
+    ValueError for arrays that the core cannot look up, see `check_grid`.
     """
 
     y: Array
@@ -48,7 +47,7 @@ class NormalTable:
 
     @cached_property
     def grid(self) -> Grid:
-        """The table for compiled code."""
+        """The table for the core."""
         return _grid(NORMAL_COLUMNS, self.values, self.y, self.roll, self.yaw, self.level)
 
 
@@ -59,10 +58,10 @@ class FrictionTable:
     Parameters:
         y, roll, yaw, level: nodes as for `NormalTable`.
         longitudinal, lateral: nodes of asinh(creepage / scale), see
-            `wheelrail.contact.models.table.force.scale_of_creepage`.
+            the core's `scale_of_creepage`.
         values: (y * roll * yaw * level * longitudinal * lateral * 6,): change of force along x, along the lateral
             tangent and along the normal, and of the moment about the same point in the axes of the track over
-            `wheelrail.contact.models.table.force.ARM`, all over friction coefficient times vertical load.
+            the core's `ARM`, all over friction coefficient times vertical load.
         coefficient: of friction; 0: the values are not read.
 
     Raises ValueError as `NormalTable`, and for a coefficient that is negative or not finite.
@@ -84,14 +83,14 @@ class FrictionTable:
 
     @cached_property
     def grid(self) -> Grid:
-        """The table for compiled code."""
+        """The table for the core."""
         return _grid(
             FRICTION_COLUMNS, self.values, self.y, self.roll, self.yaw, self.level, self.longitudinal, self.lateral
         )
 
 
 def check_grid(axes: Mapping[str, Array], values: Array, columns: int) -> None:
-    """Raise ValueError unless compiled code, which has no bounds of its own, can look values up.
+    """Raise ValueError unless values can be looked up.
 
     Parameters:
         axes: nodes by name; at least one each, finite and increasing.
@@ -211,7 +210,14 @@ class ForceTable:
 
     def arguments(self, pose: Pose, motion: RigidMotion) -> Any:
         """Arguments of `table_force`."""
-        friction, place = (self.friction.grid, self.friction.coefficient), (self.frame.radius, self.frame.lateral)
         wheel, rail = motion.wheel, motion.rail
-        twists = wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
-        return self.normal.grid, friction, place, (pose.origin, np.ascontiguousarray(pose.rotation)), twists
+        vectors = wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
+        arrays = (np.ascontiguousarray(part, dtype=float) for part in (pose.origin, pose.rotation, *vectors))
+        return self._data, *arrays
+
+    @cached_property
+    def _data(self) -> TableData:
+        friction, frame = self.friction, self.frame
+        return TableData(
+            self.normal.grid, friction.grid, float(friction.coefficient), float(frame.radius), float(frame.lateral)
+        )

@@ -9,14 +9,19 @@ import pytest
 from scipy.special import roots_legendre
 from test_laws import LAWS, Points
 
+from wheelrail.bindings._contact import ResidualCode, friction_bounds, friction_residual, friction_slopes
 from wheelrail.contact.laws.pointwise import friction_functions
-from wheelrail.contact.laws.residual_call import ResidualCode, friction_bounds, friction_residual, friction_slopes
 from wheelrail.support.arrays import Array
+
+
+def code_of(law: str, eps: float) -> ResidualCode:
+    functions = friction_functions(LAWS[law])
+    return ResidualCode(functions.code, functions.parameters, eps)
 
 
 def mean_over_cells(law: str, x: Points, ends: Array, eps: float) -> tuple[Array, Array]:
     """Mean residuals (2, n) and their slopes (n, 14) with pressures (2, n) at the ends of cells."""
-    code = ResidualCode.of(friction_functions(LAWS[law]), eps)
+    code = code_of(law, eps)
     return tuple(of(code, x.q, x.s, ends, x.rho, x.speed) for of in (friction_residual, friction_slopes))  # type: ignore[return-value]
 
 
@@ -36,7 +41,7 @@ def test_mean_residual_is_that_of_a_linear_bound(law: str) -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 def test_bounds_are_those_of_the_law(law: str) -> None:
-    x, code = Points.sample(50, 6), ResidualCode.of(friction_functions(LAWS[law]), 0.0)
+    x, code = Points.sample(50, 6), code_of(law, 0.0)
     np.testing.assert_allclose(friction_bounds(code, x.s, x.p, x.speed), x.bound(law), rtol=1e-12)
 
 

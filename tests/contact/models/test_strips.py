@@ -12,6 +12,7 @@ import pytest
 from half_space import Cells, HalfSpaces
 from scipy.special import k0, k1
 
+from wheelrail.bindings._contact import lateral_ends, patch_area, stick_area, stick_lengths
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.elasticity.half_space import strip_flexibility
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
@@ -30,8 +31,6 @@ from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.error_estimate import ErrorEstimate
-from wheelrail.contact.results.patch_area import lateral_ends, patch_area
-from wheelrail.contact.results.patch_moments import stick_area, stick_lengths
 from wheelrail.contact.results.result import ContactResult, LazyPatches
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array

@@ -11,11 +11,10 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from standard_pair import MOUNTING, wheel_on_rail
 
+from wheelrail.bindings._contact import Grid, interpolated, level_at, stencil
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.models.table.force_table import ForceTable, TreadFrame
-from wheelrail.contact.models.table.interpolation import Grid, along, between, stencil
-from wheelrail.contact.models.table.lookup import level_at
 from wheelrail.contact.models.table.model import TableContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.tables.builder import NoSolution, TableBuilder, completed
@@ -76,15 +75,14 @@ def test_tensor_product_with_derivatives_is_that_of_scipy(counts: tuple[int, ...
     values, columns = random.uniform(-1.0, 1.0, (*counts, 7)), 7
     at = tuple(float(0.4 * nodes[0] + 0.6 * nodes[-1]) for nodes in axes)
     grid = Grid(np.concatenate(axes), counts, values.ravel(), columns)
-    blocks = between(grid, at[:-1], 0, counts[-1], True)
-    own = along(blocks, *stencil(axes[-1], at[-1]), columns)
+    own = interpolated(grid, np.array(at), True)
     for row in range(4):
         expected = values
         for axis, (nodes, x) in enumerate(zip(axes, at, strict=True), 1):
             order = int(axis == row)
             expected = expected[0] * (1 - order) if len(nodes) == 1 else spline(nodes, expected)(x, order)
         np.testing.assert_allclose(own[row], expected, rtol=1e-11, atol=1e-12)
-    np.testing.assert_array_equal(between(grid, at[:-1], 0, counts[-1], False), blocks[:1])
+    np.testing.assert_array_equal(interpolated(grid, np.array(at), False), own[:1])
 
 
 @pytest.mark.parametrize("z", [-2e-5, -3e-4, -3.001e-4, -9.99e-4, -1e-3])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from wheelrail.bindings._contact import PATCH_NUMBERS, BodyDisplacements, PatchSums, on_material, store_patch
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -21,9 +22,8 @@ from wheelrail.contact.models.lattice.influence.pair_samples import (
     pair_coefficients,
     start_of,
 )
-from wheelrail.contact.results.patch_sums import PATCH_NUMBERS, PatchSums, patches_of, store_patch
+from wheelrail.contact.results.patch_sums import patches_of
 from wheelrail.contact.results.result import Patch
-from wheelrail.contact.results.touching_material import BodyDisplacements, on_material
 from wheelrail.support.arrays import Array
 
 ANGLE, RADIUS, YIELDING = -0.3, 0.46, 1e-9  # rad of a flange; m; m/N along the axle
@@ -107,5 +107,9 @@ def test_a_body_that_turns_takes_its_surface_along() -> None:
     assert moved.wheel_s == pytest.approx(-0.0201)
     assert moved.rail_y - patch.rail_y == pytest.approx(2e-5 * np.cos(0.1))
     assert moved.wheel_band == pytest.approx(np.array(patch.wheel_band) - 1e-4 * np.cos(0.1))
-    alone = patch_from(on_material(sums, BodyDisplacements(*(part[:1] for part in turned)), s[:1], load[:1]))
+    alone = patch_from(
+        on_material(
+            sums, BodyDisplacements(turned.wheel[:1], turned.rail[:1], turned.wheel_normal[:1]), s[:1], load[:1]
+        )
+    )
     assert alone.contact_angle == patch.contact_angle

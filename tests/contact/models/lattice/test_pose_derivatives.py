@@ -11,14 +11,13 @@ from scipy.special import roots_legendre
 from test_lattice import ellipse, exact, flowing, rolling, wheelset
 from test_tangent import nudged
 
-from wheelrail.bindings._contact import SLOPES, Evaluation
+from wheelrail.bindings._contact import SLOPES, Evaluation, TangentPlaces, residual_changes
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.discretisation import Bodies
-from wheelrail.contact.models.lattice.derivatives.residual import residual_changes
-from wheelrail.contact.models.lattice.derivatives.resultants import CHANGES
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.solvers.tangent import CHANGES
 from wheelrail.support.arrays import Array
 
 PATHS = np.repeat([2e-6, 2e-6, 1e-3, 1e-3], 3)  # m, rad, m/s, rad/s, to both sides
@@ -51,9 +50,8 @@ def check(
 
     def derivative(change: Array) -> Array:
         at = model.problem(*nudged(pose, motion, change))
-        places = at.lines, at.tables.lattice, at.tables.lines
-        found = residual_changes(state.values, at.of(state.strips), *places, slopes)
-        return found.reshape(*state.values.shape, CHANGES)
+        places = TangentPlaces(at.lines, at.tables.lattice, at.tables.lines)
+        return residual_changes(state.values, at.of(state.strips), places, slopes)
 
     size = np.ones((*state.values.shape, 1))
     size[:, : 2 * M] *= ((state.half / state.half.max()) ** 2)[:, None, None]
