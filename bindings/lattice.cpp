@@ -15,6 +15,7 @@ void require_step(Rows values, Rows step) {
 }
 
 void bind_system(nb::module_& m) {
+    m.attr("GAUSS") = GAUSS;
     m.attr("SLOPES") = SLOPES;
     m.attr("OPENING") = OPENING;
     structure<EquationData>(m, "EquationData", {"tables", "surface", "motion", "places", "basis", "law", "rho"},
