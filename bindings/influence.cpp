@@ -326,6 +326,9 @@ void bind_operators(nb::module_& m) {
 
 void bind_influence(nb::module_& m) {
     m.attr("MODES") = MODES, m.attr("MOMENTS") = MOMENTS, m.attr("STATIONS") = STATIONS;
+    m.attr("PARTS") = nb::make_tuple(PARTS[0], PARTS[1]);
+    m.attr("XX") = int(XX), m.attr("TT") = int(TT), m.attr("NN") = int(NN), m.attr("TN") = int(TN);
+    m.attr("TN_TURN") = int(TN_TURN), m.attr("XT") = int(XT), m.attr("ROLL") = int(ROLL), m.attr("XN") = int(XN);
     m.attr("CELLS") = CELLS, m.attr("DEGREE") = DEGREE, m.attr("COMPONENTS") = COMPONENTS, m.attr("EVEN") = EVEN;
     m.attr("REACH") = REACH, m.attr("START") = START, m.attr("TILE") = TILE;
     bind_structures(m);

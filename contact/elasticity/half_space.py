@@ -15,7 +15,6 @@ import numpy as np
 from scipy.special import iti0k0, k0, k1
 
 from wheelrail.support.arrays import Array
-from wheelrail.support.compiled import borrowing
 
 TERMS = 40  # of the series of `cutoff_correction`, for arguments up to 10
 
@@ -67,56 +66,6 @@ def strip_flexibility(k: Array, rows: Array, columns: Array, nu: float, cutoff: 
     )
 
 
-@borrowing
-def pair_geometry(x: float, row: Array, column: Array, to: Array) -> None:
-    """Write the antiderivatives (5,), twice along the strips and as means over both, of x^2/r^3, y^2/r^3, x y/r^3,
-    x/r^2 and y/r^2, y from the loaded to the displaced strip.
-
-    Parameters:
-        x: m, distance along the strips.
-        row, column: (2,) m, lateral bounds of the displaced and of the loaded strip: the same, or side by side.
-        to: (5,).
-    """
-    to[:] = 0.0
-    for a in range(2):
-        for b in range(2):
-            distance, sign = abs(row[a] - column[b]), -1.0 if a == b else 1.0
-            along, across, cross = _fourfold(abs(x), distance)
-            to[0] += sign * along
-            to[1] += sign * across
-            to[2] += sign * cross
-            along, across = _fourfold_normal(abs(x), distance)
-            to[3] += sign * along
-            to[4] += sign * across
-    ahead = 1.0 if x >= 0.0 else -1.0
-    beside = 0.0 if row[0] == column[0] else 1.0 if row[0] > column[0] else -1.0  # odd across
-    to[2] *= ahead * beside
-    to[3] *= ahead
-    to[4] *= beside
-    over = 1.0 / ((row[1] - row[0]) * (column[1] - column[0]))
-    for k in range(5):
-        to[k] *= over
-
-
-@borrowing
-def pair_antiderivative(geometry: Array, nu: float, to: Array) -> None:
-    """Write G (6,), whose second derivative is the mean compliance between two strips; unit modulus.
-
-    Parameters:
-        geometry: (5,), see `pair_geometry`.
-        nu: Poisson's ratio.
-        to: (6,) components as for `strip_flexibility`, those along x by across and by normal odd in x, the others even.
-    """
-    scale = (1.0 + nu) / np.pi
-    xx, yy, xy, xn, yn = geometry
-    to[0] = scale * ((1.0 - nu) * (xx + yy) + nu * xx)
-    to[1] = scale * ((1.0 - nu) * (xx + yy) + nu * yy)
-    to[2] = scale * (1.0 - nu) * (xx + yy)
-    to[3] = scale * nu * xy
-    to[4] = scale * (0.5 - nu) * xn
-    to[5] = scale * (0.5 - nu) * yn
-
-
 def cutoff_correction(x: Array, cutoff: float, nu: float) -> Array:
     """G (nodes, 3) missing in the flexibility at sqrt(k^2 + cutoff^2): along x, across, normal; equal for all strips.
 
@@ -134,29 +83,6 @@ def cutoff_correction(x: Array, cutoff: float, nu: float) -> Array:
         term *= -z / (m + 1)
     correction = 2 * (1 + nu) / np.pi * 0.5 * cutoff * x * x * total
     return np.asarray(correction[:, None] * np.array([1.0, 1 - nu, 1 - nu]))
-
-
-@borrowing
-def _fourfold(x: float, y: float) -> tuple[float, float, float]:
-    """Antiderivatives, twice in x and twice in y, of x^2/r^3, y^2/r^3 (sum: 1/r) and x y/r^3 at x, y >= 0."""
-    r = np.sqrt(x * x + y * y)
-    over_x = np.arcsinh(y / x) if x > 0.0 else 0.0
-    over_y = np.arcsinh(x / y) if y > 0.0 else 0.0
-    a, b, c = 0.5 * x * x * y * over_x, 0.5 * x * y * y * over_y, r * r * r / 6.0
-    cross = -(x * y * r / 3.0 + x * x * x / 6.0 * over_x + y * y * y / 6.0 * over_y)
-    return c + b - 0.5 * y * y * r, c + a - 0.5 * x * x * r, cross
-
-
-@borrowing
-def _fourfold_normal(x: float, y: float) -> tuple[float, float]:
-    """Antiderivatives, twice in x and twice in y, of x/r^2 and y/r^2 at x, y >= 0."""
-    logarithm = 0.5 * np.log(x * x + y * y) if x + y > 0.0 else 0.0
-    to_x = np.arctan2(y, x)  # angles with the axes
-    to_y = 0.5 * np.pi - to_x
-    xxx, xxy, xyy, yyy = x * x * x, x * x * y, x * y * y, y * y * y
-    along = (3.0 * xyy - xxx) * logarithm + 3.0 * xxy * to_x + yyy * to_y
-    across = (3.0 * xxy - yyy) * logarithm + 3.0 * xyy * to_y + xxx * to_x
-    return along / 6.0, across / 6.0
 
 
 def _exponential_series(z: Array) -> Array:

@@ -12,10 +12,16 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.bindings._contact import strip_loads, strips_beside_bulk
+from wheelrail.bindings._contact import (
+    BulkCompliance,
+    bulk_displacements,
+    bulk_places,
+    hats,
+    strip_loads,
+    strips_beside_bulk,
+)
 from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
-from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection, hats
-from wheelrail.contact.models.lattice.influence.bulk import BulkCompliance, bulk_displacements, bulk_places
+from wheelrail.contact.models.lattice.influence.body_correction import BodyCorrection
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.solvers.tangent import CHANGES

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from wheelrail.contact.elasticity.half_space import pair_antiderivative, pair_geometry, strip_flexibility
+from wheelrail.bindings._contact import pair_antiderivative, pair_geometry
+from wheelrail.contact.elasticity.half_space import strip_flexibility
 from wheelrail.support.arrays import Array
 
 NU = 0.3
@@ -41,10 +42,7 @@ def antiderivatives(x: Array, sides: Array, nu: float) -> Array:
 
 
 def _antiderivative(x: float, row: Array, column: Array, nu: float) -> Array:
-    geometry, components = np.empty(5), np.empty(6)
-    pair_geometry(x, row, column, geometry)
-    pair_antiderivative(geometry, nu, components)
-    return components
+    return np.array(pair_antiderivative(pair_geometry(x, row.tolist(), column.tolist()), nu))
 
 
 def test_coupling_by_wavenumbers() -> None:

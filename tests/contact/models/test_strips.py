@@ -12,7 +12,7 @@ import pytest
 from half_space import Cells, HalfSpaces
 from scipy.special import k0, k1
 
-from wheelrail.bindings._contact import lateral_ends, patch_area, stick_area, stick_lengths
+from wheelrail.bindings._contact import NN, TT, XX, lateral_ends, look_up, patch_area, stick_area, stick_lengths
 from wheelrail.contact.analytical.hertz import Hertz, hertz, modulus
 from wheelrail.contact.elasticity.half_space import strip_flexibility
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
@@ -23,8 +23,6 @@ from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice.influence.basis import rolling_marks
-from wheelrail.contact.models.lattice.influence.operator import look_up
-from wheelrail.contact.models.lattice.influence.pair_grid import NN, TT, XX
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.slip_difference import upstream
 from wheelrail.contact.models.lattice.model import LatticeContact

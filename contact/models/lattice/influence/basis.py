@@ -8,71 +8,20 @@ is weighted by T_k(xi) / sqrt(1 - xi^2); the two moments more than modes determi
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from scipy.special import roots_legendre
 
+from wheelrail.bindings._contact import MODES, MOMENTS, PARTS, STATIONS, StripBasis
 from wheelrail.contact.models.lattice.influence.slip_difference import AHEAD, upstream
 from wheelrail.support.arrays import Array
 
-MODES = 4  # of pressure; with three, the gap left on a strip 30 times as long as wide gives its neighbour two places
-MOMENTS = MODES + 2
-STATIONS = 6  # along a strip, at which the penetration is evaluated: it is nearly a parabola
 ORDER = 16  # of the Gauss rules below
-PARTS = 4, 8  # of a cell whose pressure displaces short strips, nearer ones and nearest ones
 LEADING = 0.35  # fraction of the cells' grading towards the leading end alone
 
 
 Tangential = Literal["none", "rolling", "shift"]  # problem: none, steady rolling, one step of displacement from none
-
-
-class StripBasis(NamedTuple):
-    """Constants of strips of M cells.
-
-    Parameters:
-        marks: (M + 1,) cell boundaries from 0 (trailing end) to 1 (leading end).
-        row_marks: (M + 3,) the same with two more cells ahead, for the upstream difference of the slip.
-        mean: (M, MODES) mean of the pressure modes over the cells.
-        ends: (M, 2, MODES) values at the ends of the cells of linear functions with their means and first moments.
-        loads: (M, MODES) the same corrected for the variation within the cells, to compute displacements.
-        load_edges: (M + 1, MODES) their jumps at the marks.
-        moments: (MOMENTS, M) weights of cell means in the moments of the gap.
-        moment_edges: (MOMENTS, M + 1) weights of an antiderivative at the marks in the moments of a displacement, times
-            the length of the strip.
-        edge_moments: (M + 1, MOMENTS) the same.
-        slip_edges: (M, 4) weights of an antiderivative at a cell's first boundary and the next three in its slip, times
-            a power of the length: the upstream difference of second order, or the mean for a tangential displacement.
-        slip_power: this power, 2 or 1.
-        own_slip: (M,) slips of cells by traction of 2 / (pi E*) on them in plane strain; for a tangential displacement
-            their lengths.
-        stations: (STATIONS,) places from 0 to 1 at which the penetration is evaluated.
-        penetration: (MOMENTS, STATIONS) weights of the penetration there in its moments.
-        cell_penetration: (M, STATIONS) the same in its means over the cells.
-        longest: length of the longest cell.
-        split_marks: (N + 1,) boundaries of the most of `PARTS`.
-        split_edges: (len(PARTS), N + 1, MODES) jumps of the loads of these parts, less those of the fewer ones before,
-            at first of the cells.
-    """
-
-    marks: Array
-    row_marks: Array
-    mean: Array
-    ends: Array
-    loads: Array
-    load_edges: Array
-    moments: Array
-    moment_edges: Array
-    edge_moments: Array
-    slip_edges: Array
-    slip_power: int
-    own_slip: Array
-    stations: Array
-    penetration: Array
-    cell_penetration: Array
-    longest: float
-    split_marks: Array
-    split_edges: Array
 
 
 @lru_cache(maxsize=16)

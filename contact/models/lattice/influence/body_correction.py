@@ -10,21 +10,31 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations_with_replacement
-from typing import NamedTuple
 
 import numpy as np
 
+from wheelrail.bindings._contact import (
+    CELLS,
+    COMPONENTS,
+    DEGREE,
+    NN,
+    REACH,
+    START,
+    TILE,
+    TN,
+    TN_TURN,
+    BulkCompliance,
+    PairMeans,
+    share_slopes,
+    strip_shares,
+)
 from wheelrail.contact.elasticity.half_space import cutoff_correction
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import antiderivative_weights
-from wheelrail.contact.models.lattice.influence.bulk import TILE, BulkCompliance, bulk_compliance, hat_integral
-from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, CHANGES, COMPONENTS, DEGREE, REACH, PairGrid
-from wheelrail.contact.models.lattice.influence.vectors import BYTES, add_multiple
-from wheelrail.support.arrays import Array, Mask, Nodes, aligned
+from wheelrail.contact.models.lattice.influence.pair_grid import CHANGES, PairGrid
+from wheelrail.support.arrays import Array, Mask, aligned
 from wheelrail.support.cache import cached, digest
-from wheelrail.support.compiled import borrowing, compiled
 
-START = 0.04  # m: cells of 5 mm up to this distance; of 2.5 mm, forces change by 1e-6
 RECIPROCAL = np.array([1, 1, 1, 1, -1, -1, 1, 1])  # signs of the components of the pair in the other order
 OUTWARD = 1.0, -1.0  # outward normal of the upper body in the axes of the upper and of the lower one
 
@@ -198,69 +208,18 @@ def far_in_strip_axes(far: Array, row: Array, column: Array) -> Array:
     )
 
 
-@compiled
-def hats(arc: Array, s: Array) -> Array:
-    """Values (S, n) at s (S,) m of the functions linear between lines (n,) m, 1 at one and 0 at the others."""
-    values = np.zeros((len(s), len(arc)))
-    for i in range(len(s)):
-        right = min(max(np.searchsorted(arc, s[i]), 1), len(arc) - 1)
-        share = min(max((s[i] - arc[right - 1]) / (arc[right] - arc[right - 1]), 0.0), 1.0)
-        values[i, right - 1], values[i, right] = 1.0 - share, share
-    return values
-
-
-@compiled
-def share_slopes(arc: Array, middle: Array, width: Array) -> Array:
-    """Derivatives (S, n) 1/m of `strip_shares` by the middles."""
-    low, high = hats(arc, middle - 0.5 * width), hats(arc, middle + 0.5 * width)
-    return (high - low) / width.reshape(-1, 1)
-
-
-@compiled
-def strip_shares(arc: Array, middle: Array, width: Array) -> Array:
-    """Weights (S, n) of lines (n,) m in the means over strips of functions linear between the lines."""
-    share = np.zeros((len(middle), len(arc)))
-    for i in range(len(middle)):
-        low, high = middle[i] - 0.5 * width[i], middle[i] + 0.5 * width[i]
-        for k in range(max(np.searchsorted(arc, low) - 1, 0), min(np.searchsorted(arc, high) + 1, len(arc))):
-            share[i, k] = (hat_integral(arc, k, high) - hat_integral(arc, k, low)) / width[i]
-    return share
-
-
-@borrowing
-def add_pair_mean(lines: Array, first: int, row: Array, column: Array, to: Array, start: int = 0) -> None:
-    """Add the coefficients (cells, DEGREE + 1, COMPONENTS) of a pair of strips from those of lines (ns, ns, ..).
-
-    row, column: (n,) weights of the lines from the first in both strips; start: the first cell.
-    """
-    count, wide, cells = len(to) * (DEGREE + 1), lines.shape[1], lines.shape[2]
-    at, total = lines.ctypes.data, to.ctypes.data
-    for k in range(len(row)):
-        if row[k] == 0.0:
-            continue
-        for m in range(len(column)):
-            weight = row[k] * column[m]
-            if weight != 0.0:
-                cell = ((first + k) * wide + first + m) * cells + start
-                add_multiple(at + BYTES * (DEGREE + 1) * cell, weight, count, total)
-
-
-class PairMeans(NamedTuple):
-    """Coefficients of the pairs i <= j of C strips, the means over them, computed as far as a pair is looked up.
+def bulk_compliance(coefficients: Array, width: float, length: float) -> Array:
+    """Normal displacement (.., 2) m/N, apart from each other, by lateral loads and by pressure, from coefficients
+    (.., DEGREE + 1, COMPONENTS) of the first cell: it varies little along a contact, and is the mean over 5 mm with
+    weights that fall linearly with the distance, 2 (G(l) - G(0)) / l^2 of G'' = C.
 
     Parameters:
-        lines: (ns, ns, cells, DEGREE + 1, COMPONENTS) coefficients of pairs of lines.
-        first: line from which on the weights count.
-        share: (C, n) weights of the lines in the strips.
-        values: (C (C + 1) / 2, cells, DEGREE + 1, COMPONENTS), those of a pair in row j (j + 1) / 2 + i.
-        known: (C (C + 1) / 2,) number of cells that are computed.
+        width: of the cell, in its variable.
+        length: m, of the cell.
     """
-
-    lines: Array
-    first: int
-    share: Array
-    values: Array
-    known: Nodes
+    rise = np.tensordot(coefficients[..., 1:, :], width ** np.arange(1, DEGREE + 1), axes=(-2, 0))
+    mean = 2.0 * rise / length**2
+    return np.stack([mean[..., TN_TURN] - mean[..., TN], mean[..., NN]], axis=-1)
 
 
 NO_MEANS = PairMeans(
@@ -277,24 +236,3 @@ def pair_means(lines: Array, first: int, share: Array, cells: int) -> PairMeans:
     pairs = len(share) * (len(share) + 1) // 2
     values = aligned((pairs, cells, *lines.shape[3:]))
     return PairMeans(lines, first, share, values, np.zeros(pairs, dtype=np.int64))
-
-
-@borrowing
-def pair_row(means: PairMeans, i: int, j: int, cells: int) -> int:
-    """Row of the values of a pair i <= j, valid in some first cells."""
-    row = j * (j + 1) // 2 + i
-    values = means.values[row]
-    known, cells = means.known[row], min(cells, len(values))
-    if known < cells:
-        values[known:cells] = 0.0
-        add_pair_mean(means.lines, means.first, means.share[i], means.share[j], values[known:cells], known)
-        means.known[row] = cells
-    return row
-
-
-@compiled
-def complete_means(means: PairMeans) -> None:
-    """Compute the coefficients of all pairs in all cells."""
-    for j in range(len(means.share)):
-        for i in range(j + 1):
-            pair_row(means, i, j, means.values.shape[1])

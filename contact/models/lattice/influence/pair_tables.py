@@ -13,7 +13,7 @@ both bodies: half-spaces of equal material have none. Parts with the other symme
 to 1 % of XX at 5 mm and of the elastic slip, and (C_xn + C_nx)/2, about 0.1 %. The first five components are even
 functions of x, the others odd. ROLL is added to C_xn alone: the radial component of u_n by pressure over R, integrated
 along x. On a wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius. The rigid slip at s
-has the radius there, but the material at s comes from s - u_t (`wheelrail.contact.models.lattice.body_displacement`),
+has the radius there, but the material at s comes from s - u_t (`core/body_displacement.hpp`),
 where the radius differs by as much as u_t adds to u_r: u_n alone remains.
 """
 
@@ -21,96 +21,43 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelrail.bindings._contact import (
+    COMPONENTS,
+    DEGREE,
+    START,
+    BodyTables,
+    BulkCompliance,
+    Deviation,
+    HalfSpaces,
+    Lattice,
+    LatticeStrips,
+    PairTables,
+    PoseMeans,
+    complete_means,
+    count_of,
+    fill,
+    start_of,
+    strips_on_lines,
+)
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.strip_lattice import slenderness
 from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
 from wheelrail.contact.models.lattice.influence.body_correction import (
     NO_MEANS,
     OUTWARD,
-    START,
     BodyCorrection,
-    PairMeans,
-    complete_means,
 )
-from wheelrail.contact.models.lattice.influence.bulk import BulkCompliance
-from wheelrail.contact.models.lattice.influence.pair_grid import COMPONENTS, DEGREE, PairGrid
-from wheelrail.contact.models.lattice.influence.pair_samples import (
-    Deviation,
-    HalfSpaces,
-    LatticeStrips,
-    count_of,
-    fill,
-    start_of,
-)
+from wheelrail.contact.models.lattice.influence.pair_grid import RULE, PairGrid
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.support.arrays import Array, Mask, Nodes, aligned
-from wheelrail.support.compiled import compiled
 
 GROWTH = 1.5  # of the storage
 NO_LINES = np.zeros(0)
 STORED = 16  # sets of strips whose deviations of each body are kept
-
-
-class PairTables(NamedTuple):
-    """Tables of the pairs i <= j of a lattice of K strips, as far as needed at a pose.
-
-    Parameters:
-        values: (cells, DEGREE + 1, COMPONENTS) m/N times m2, coefficients of powers of z minus the cell's lower bound.
-        pair: (K, K) number of a pair i <= j, 0 of those without tables.
-        first: (P,) first cell of a pair.
-        cells: (P,) its number of cells.
-        inverse: (P,) 1/m, 1 / start.
-        place: (K,) place of the strips in smooth.
-        smooth: deviation of the lower body from a half-space, in cells from
-            `wheelrail.contact.models.lattice.influence.body_correction.START`; `NO_MEANS` where values contain it.
-    """
-
-    values: Array
-    pair: NDArray[np.int32]
-    first: Nodes
-    cells: Nodes
-    inverse: Array
-    place: Nodes
-    smooth: PairMeans
-
-
-class Lattice(NamedTuple):
-    """Strips of a lattice for compiled code.
-
-    Parameters:
-        middle, width: (K,) m.
-        stretch: (K,) length on the surface over length on the rolling circle.
-        carried: (K,) whether they lie on the lines of the bodies on which their place does not depend on the pose.
-        bounds: (2,) m, ends of the lines of the lower body, where their place on it does; infinite otherwise.
-    """
-
-    middle: Array
-    width: Array
-    stretch: Array
-    carried: Mask
-    bounds: Array
-
-
-class PoseMeans(NamedTuple):
-    """Part of the tables that depends on the pose: `PairTables.place` and `PairTables.smooth`."""
-
-    place: Nodes
-    smooth: PairMeans
-
-
-class BodyTables(NamedTuple):
-    """Tables of the deviation from a half-space of the upper and of the lower body alone, without pair means for a
-    half-space, and their shares (2,) in the compliance of both half-spaces.
-    """
-
-    upper: PairTables
-    lower: PairTables
-    share: Array
 
 
 @dataclass
@@ -298,7 +245,7 @@ class LatticeTables:
             larger = aligned((int(GROWTH * bounds[-1]), DEGREE + 1, COMPONENTS))
             larger[: self._used] = self._values[: self._used]
             self._values = larger
-        fill(self.strips, pairs, self._half_spaces, self._deviations(strips), bounds, self._values)
+        fill(self.strips, pairs, self._half_spaces, *self._deviations(strips), RULE, bounds, self._values)
         i, j = pairs.T
         self._pair[i, j] = len(self._first) + np.arange(len(pairs))
         self._first = np.concatenate([self._first, bounds[:-1]])
@@ -331,31 +278,6 @@ class LatticeTables:
 def covered_part(middle: Array, width: Array) -> tuple[float, float]:
     """Ends m of the part of a body that strips with middles and widths (C,) m cover."""
     return float((middle - 0.5 * width).min()), float((middle + 0.5 * width).max())
-
-
-@compiled
-def strips_on_lines(lattice: Lattice, chosen: Mask, feet: Array) -> tuple[Nodes, Array, Array, tuple[float, float]]:
-    """Numbers (K,) of chosen strips among these, their middles on the lower body and widths (C,) m, and the ends m of
-    the part that they cover.
-
-    Strips beyond the lines of the body are moved to the last ones. There a deviation from a half-space is a guess,
-    which serves to find that a strip remains without load.
-
-    Parameters:
-        lattice: all strips.
-        chosen: (K,).
-        feet: (K,) m, arc length of their middles on the lower body.
-    """
-    strips, place = np.flatnonzero(chosen), np.zeros(len(chosen), dtype=np.int64)
-    middle, width = np.empty(len(strips)), np.empty(len(strips))
-    low, high = np.inf, -np.inf
-    for i in range(len(strips)):
-        k = strips[i]
-        half = 0.5 * lattice.width[k]
-        place[k], width[i] = i, lattice.width[k]
-        middle[i] = min(max(feet[k], lattice.bounds[0] + half), lattice.bounds[1] - half)
-        low, high = min(low, middle[i] - half), max(high, middle[i] + half)
-    return place, middle, width, (low, high)
 
 
 def half_space_scale(body: HalfSpaceInfluence) -> float:

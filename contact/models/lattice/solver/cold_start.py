@@ -6,10 +6,10 @@ from contextlib import suppress
 
 import numpy as np
 
-from wheelrail.bindings._contact import GAUSS, StripGrid, cell_operator, frames, rigid_shift
+from wheelrail.bindings._contact import GAUSS, MODES, StripBasis, StripGrid, cell_operator, frames, rigid_shift
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.lattice.influence.basis import MODES, StripBasis, equal_cells
+from wheelrail.contact.models.lattice.influence.basis import equal_cells
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState

@@ -10,6 +10,7 @@ from wheelrail.bindings._contact import (
     OPENING,
     Probes,
     Remaining,
+    StripBasis,
     StripGrid,
     cell_operator,
     excess,
@@ -17,7 +18,7 @@ from wheelrail.bindings._contact import (
     search,
 )
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.lattice.influence.basis import StripBasis, equal_cells
+from wheelrail.contact.models.lattice.influence.basis import equal_cells
 from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.solver.cold_start import state_of_cells
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem

@@ -5,23 +5,34 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wheelrail.bindings._contact import PATCH_NUMBERS, BodyDisplacements, PatchSums, on_material, store_patch
+from wheelrail.bindings._contact import (
+    CELLS,
+    COMPONENTS,
+    DEGREE,
+    NN,
+    PATCH_NUMBERS,
+    ROLL,
+    START,
+    TN,
+    TT,
+    BodyDisplacements,
+    Deviation,
+    HalfSpaces,
+    LatticeStrips,
+    PatchSums,
+    count_of,
+    on_material,
+    pair_coefficients,
+    start_of,
+    store_patch,
+)
 from wheelrail.contact.kinematics.frames import RigidMotion, Twist
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.lattice.influence.body_correction import START
-from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, COMPONENTS, DEGREE, NN, ROLL, TN, TT
-from wheelrail.contact.models.lattice.influence.pair_samples import (
-    Deviation,
-    HalfSpaces,
-    LatticeStrips,
-    count_of,
-    pair_coefficients,
-    start_of,
-)
+from wheelrail.contact.models.lattice.influence.pair_grid import RULE
 from wheelrail.contact.results.patch_sums import patches_of
 from wheelrail.contact.results.result import Patch
 from wheelrail.support.arrays import Array
@@ -48,7 +59,7 @@ def table(deviations: tuple[Deviation, Deviation], x: float) -> Array:
     bodies = HalfSpaces(np.full(2, 0.3), np.zeros(2), np.array([1.0, -1.0]), RADIUS)
     start = start_of(strips, 0, 0)
     values = np.zeros((count_of(start), DEGREE + 1, COMPONENTS))
-    pair_coefficients(strips, 0, 0, bodies, deviations, values)
+    pair_coefficients(strips, 0, 0, bodies, *deviations, RULE, values)
     z = 1 + x / start
     octave = int(np.log2(z))
     cell = octave * CELLS + int((z / 2**octave - 1) * CELLS)

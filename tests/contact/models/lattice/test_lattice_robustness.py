@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from wheelrail.bindings._contact import leaving, maximum
+from wheelrail.bindings._contact import MODES, MOMENTS, NN, leaving, look_up, maximum, normal_table, split_shares
 from wheelrail.contact.analytical.hertz import hertz, modulus
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
@@ -20,17 +20,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.lattice.influence.basis import (
-    MODES,
-    MOMENTS,
-    PARTS,
-    Tangential,
-    equal_cells,
-    strip_basis,
-)
-from wheelrail.contact.models.lattice.influence.operator import look_up
-from wheelrail.contact.models.lattice.influence.pair_grid import NN
-from wheelrail.contact.models.lattice.influence.short_strips import normal_table, shares
+from wheelrail.contact.models.lattice.influence.basis import Tangential, equal_cells, strip_basis
 from wheelrail.contact.models.lattice.model import ITERATIONS, START_CELLS, LatticeContact
 from wheelrail.contact.models.lattice.resolution import LEAST_CELLS
 from wheelrail.contact.models.lattice.solver.cold_start import cold_start
@@ -425,8 +415,7 @@ def test_shares_of_split_cells_have_exact_slopes() -> None:
     basis, h = strip_basis(12, "rolling"), 1e-7
 
     def of(length: float, loaded: float, distance: float) -> Array:
-        found = np.zeros((3, len(PARTS)))
-        count = shares(length, loaded, distance, basis, found)
+        count, found = split_shares(length, loaded, distance, basis)
         assert (found[0, :count] > 0).all()
         assert not found[:, count:].any()
         return found

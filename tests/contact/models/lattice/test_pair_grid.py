@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from wheelrail.bindings._contact import CELLS, DEGREE, look_up
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.lattice.influence.operator import look_up
-from wheelrail.contact.models.lattice.influence.pair_grid import CELLS, DEGREE, PairGrid, lobatto
+from wheelrail.contact.models.lattice.influence.pair_grid import PairGrid, lobatto
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
