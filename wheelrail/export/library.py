@@ -17,7 +17,7 @@ from wheelrail.export.header import FUNCTIONS, c_header, fortran_module
 from wheelrail.export.runtime import export_runtime, write_scene
 
 EXAMPLES = ("example.c", "example.f90")
-SETTINGS = ("WHEELRAIL_CACHE", "NUMBA_CACHE_DIR")  # of the environment, that hosts may set anew
+SETTINGS = ("WHEELRAIL_CACHE",)  # of the environment, that hosts may set anew
 RUNTIME = "runtime"  # folder
 KEEP = "-Wl,-z,nodelete"  # Python keeps pointers into the library, also after a program has closed it
 _THREADS = """
@@ -37,7 +37,6 @@ library = os.path.dirname(ffi.string(lib.wheelrail_library()).decode())
 runtime = os.path.normpath(os.path.join(library, {runtime!r}))
 caches = os.environ.get("WHEELRAIL_CACHE"), os.path.join(runtime, "cache")
 os.environ["WHEELRAIL_CACHE"] = os.pathsep.join(filter(None, caches))
-os.environ.setdefault("NUMBA_CACHE_DIR", os.path.join(runtime, "machine-code"))
 sys.path[:0] = [runtime, *filter(None, os.environ.get("WHEELRAIL_PYTHONPATH", "").split(os.pathsep))]
 """
 _DEFINE = """

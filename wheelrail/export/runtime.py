@@ -18,10 +18,9 @@ from wheelrail.export.warm_up import SCENE, warm_up
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import WheelsetScene, load_scene
 from wheelrail.scenes.schema.toml import parse, read_text
-from wheelrail.support import machine_code
 from wheelrail.support.cache import cache_folders
 
-PACKAGES = ("numpy", "scipy", "numba", "pydantic", "lazy_loader", "cffi")
+PACKAGES = ("numpy", "scipy", "pydantic", "lazy_loader", "cffi")
 FINITE_ELEMENTS = ("dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py", "gmsh")  # are not needed at run time
 BODIES = "wheel", "rail"
 _WARM_UP = """
@@ -53,7 +52,7 @@ def write_scene(scene: Path, folder: Path) -> None:
 
 
 def export_runtime(folder: Path, scene_folder: Path) -> None:
-    """Write a runtime folder: this package, machine code, the compliances of a wheelset and a list of packages.
+    """Write a runtime folder: this package, the compliances of a wheelset, laws and a list of packages.
 
     Parameters:
         folder: is created; an older runtime in it is replaced.
@@ -70,14 +69,12 @@ def export_runtime(folder: Path, scene_folder: Path) -> None:
         raise SceneError(f"a runtime folder has no 3D meshes and reads no NetCDF: not allowed with {models}")
     warm_up(scene_folder)  # computes the compliances, with finite elements
     package = folder / "wheelrail"
-    for old in (package, folder / "cache", folder / "machine-code"):
+    for old in (package, folder / "cache"):
         if old.exists():
             shutil.rmtree(old)
     shutil.copytree(Path(wheelrail.__file__).parent, package, ignore=shutil.ignore_patterns("__pycache__", "*.hpp"))
     requirements = "".join(f"{name}=={version(name)}\n" for name in PACKAGES)
     (folder / "requirements.txt").write_text(requirements, encoding="utf-8")
-    copied = folder / "machine-code" / machine_code.FOLDER
-    machine_code.copy_present(copied)
     store_libraries(folder / "cache")
     _solve(folder, scene_folder)
 
@@ -92,7 +89,6 @@ def _solve(folder: Path, scene_folder: Path) -> None:
         "PYTHONPATH": str(folder),
         "PYTHONDONTWRITEBYTECODE": "1",
         "WHEELRAIL_CACHE": os.pathsep.join(str(cache.absolute()) for cache in caches),
-        "NUMBA_CACHE_DIR": str(folder.absolute() / "machine-code"),
     }
     code = _WARM_UP.format(absent=FINITE_ELEMENTS)
     command = [sys.executable, "-c", code, str(scene_folder.absolute())]

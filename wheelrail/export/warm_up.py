@@ -1,4 +1,4 @@
-"""A contact of a wheelset that reads all that later solves need: compliances, laws and machine code."""
+"""A contact of a wheelset that reads all that later solves need: compliances and laws."""
 
 from __future__ import annotations
 
