@@ -34,7 +34,8 @@ struct Lowest {
 template <class T>
 struct LowestStep {
     Point<T> forward, up, away;  // of the wheel; from the rail's point to the wheel's
-    T beside, height, level, second, determinant, step, turn;
+    T beside, height, level, second, step, turn;
+    double determinant;
 };
 
 template <class Z, class P>
@@ -51,11 +52,12 @@ auto lowest_step(const OnCurve<Z>& wheel, double radius, const Pose<P>& pose, do
     at.beside = dot(rail.tangent, at.away), at.height = cross(rail.tangent, at.away);
     at.second = 1.0 - dot(rail.bend, at.away);
     at.level = cross(rail.tangent, at.forward);
-    T down = cross(rail.tangent, at.up), across = r * dot(rail.tangent, at.forward);
-    T bend = cross(rail.bend, at.forward);
-    at.determinant = at.second * down - across * bend;
+    // in values: both residuals vanish at the solution, so that derivatives of the matrix do not count
+    double down = cross(rail.tangent, value(at.up)), across = value(r) * dot(rail.tangent, value(at.forward));
+    double bend = cross(rail.bend, value(at.forward)), second = value(at.second);
+    at.determinant = second * down - across * bend;
     at.step = (at.beside * down + across * at.level) / at.determinant;
-    at.turn = (at.second * at.level + bend * at.beside) / at.determinant;
+    at.turn = (second * at.level + bend * at.beside) / at.determinant;
     return at;
 }
 

@@ -10,7 +10,18 @@ namespace wr {
 template <int K>
 struct Abreast {
     static constexpr int COUNT = K * PART;
-    using Mask = std::array<decltype(part8{} < part8{}), K>;
+    // Where something holds.
+    struct Mask {
+        decltype(part8{} < part8{}) p[K];
+
+        friend bool all(const Mask& mask) {
+            auto both = mask.p[0];
+            for (int k = 1; k < K; ++k) both &= mask.p[k];
+            bool whole = true;
+            for (int i = 0; i < PART; ++i) whole &= both[i] != 0;
+            return whole;
+        }
+    };
 
     part8 p[K]{};
 
@@ -30,7 +41,7 @@ struct Abreast {
     template <class F>
     static Mask mask(const F& f) {
         Mask r;
-        for (int k = 0; k < K; ++k) r[k] = f(k);
+        for (int k = 0; k < K; ++k) r.p[k] = f(k);
         return r;
     }
     Abreast operator-() const {
@@ -57,7 +68,7 @@ struct Abreast {
         return mask([&](int k) { return a.p[k] <= b.p[k]; });
     }
     friend Abreast select(const Mask& mask, const Abreast& a, const Abreast& b) {
-        return each([&](int k) { return mask[k] ? a.p[k] : b.p[k]; });
+        return each([&](int k) { return mask.p[k] ? a.p[k] : b.p[k]; });
     }
     friend Abreast sqrt(const Abreast& a) {
         return each([&](int k) { return root(a.p[k]); });
@@ -78,6 +89,7 @@ Abreast<K> value(const Abreast<K>& a) {
     return a;
 }
 
+inline bool all(bool mask) { return mask; }
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
 
 template <class Mask, int N, class V>

@@ -45,8 +45,7 @@ struct Traction {
     T x{}, y{};
 };
 
-// Traction in units of the bound one cell further from the leading end, without branches: what depends on the place
-// only are the numbers of strips side by side.
+// Traction one cell further from the leading end, of one strip or of several side by side.
 //
 // Parameters: traction before; rigid slip w over the flexibility of spin; by what rates of displacement over their own
 // flexibilities are less; step along the strip; bound of the traction.
@@ -55,11 +54,13 @@ Traction<T> next_traction(const Traction<T>& q, const Traction<T>& w, const Trac
                           double bound) {
     using std::sqrt;
     T ex = w.x - apart.x, ey = w.y - apart.y;
+    T elastic_x = q.x - step * ex, elastic_y = q.y - step * ey;
+    T square = elastic_x * elastic_x + elastic_y * elastic_y;
+    auto sticks = value(square) <= bound * bound;
+    if (all(sticks)) return {elastic_x, elastic_y};
     // sine of the angle between both rates, less where their sizes differ: smooth where one is zero
     T over = 1.0 / (ex * ex + ey * ey + w.x * w.x + w.y * w.y + TINY);
     T turn = 2.0 * (ey * apart.x - ex * apart.y) * over;
-    T elastic_x = q.x - step * ex, elastic_y = q.y - step * ey;
-    T square = elastic_x * elastic_x + elastic_y * elastic_y;
     // half of the slip along the previous traction, half along the new one: directions are of second order in the step;
     // the cut is infinite where there is no traction before
     T cut = 0.5 * (sqrt(square) - bound) / sqrt(q.x * q.x + q.y * q.y);
@@ -68,7 +69,6 @@ Traction<T> next_traction(const Traction<T>& q, const Traction<T>& w, const Trac
     T beyond = (nx * nx + ny * ny) / (bound * bound) - 1.0;
     T part = beyond / (1.0 + sqrt(1.0 + (1.0 + turn * turn) * beyond));
     T real = (1.0 + part) / (1.0 + beyond), imaginary = part * turn / (1.0 + beyond);
-    auto sticks = value(square) <= bound * bound;
     return {select(sticks, elastic_x, real * nx + imaginary * ny),
             select(sticks, elastic_y, real * ny - imaginary * nx)};
 }

@@ -59,42 +59,70 @@ struct PatchFrames {
     std::vector<Frame<T>> middles, peaks;
 };
 
+// A number that varies with the pose as one that varies with pose and motion: T of G.
+template <class T, class G>
+T as(const G& a) {
+    if constexpr (std::is_same_v<T, G>)
+        return a;
+    else
+        return widened<T::COUNT>(a, 0);
+}
+template <class T, class G>
+Vec<T> as(const Vec<G>& a) {
+    return {as<T>(a.x), as<T>(a.y), as<T>(a.z)};
+}
+
 // Rolling contact of one patch.
 template <class T>
 struct RollingPatch {
-    T speed;                 // rolling speed, m/s
-    Creepages<T> creepages;  // longitudinal, lateral, and spin 1/m, means of the strips by their normal forces
-    T along, across;         // semi-axes of the ellipse with the pressure's second moments, m
-    T load;                  // normal force, N
+    T speed;                  // rolling speed, m/s
+    Creepages<T> creepages;   // longitudinal, lateral, and spin 1/m, means of the strips by their normal forces
+    T along, across;          // semi-axes of the ellipse with the pressure's second moments, m
+    T load;                   // normal force, N
     std::array<T, 3> kalker;  // coefficients C11, C22, C23
     ElasticFoundation<T> flexibility;
 };
+
+inline double speed_at(const RigidMotion<double>& v, const Frame<double>& at) {
+    return rolling_speed(v, at.point, at.axes[0]);
+}
+inline Creepages<double> creepages_at(const RigidMotion<double>& v, const Frame<double>& at, double speed) {
+    return creepages(v, at.point, at.axes, speed);
+}
 
 // Means over a patch by the normal forces of its strips, from start to before stop; those of each are stored.
 //
 // A surface is curved across a wide patch. Where it sticks, the force of a strip is in proportion to its creepage and
 // to the square of its length, as its normal force is, so that the force of the patch is that of the mean.
-template <class T>
-Creepages<T> mean_creepages(const Pressures<T>& strips, long start, long stop, const std::vector<Frame<T>>& middles,
-                            const RigidMotion<T>& v, const T& speed, std::vector<Creepages<T>>& all) {
+template <class T, class G, class Motion>
+Creepages<T> mean_creepages(const Pressures<G>& strips, long start, long stop, const std::vector<Frame<G>>& middles,
+                            const Motion& v, const T& speed, std::vector<Creepages<T>>& all) {
     T total{}, xi{}, eta{}, phi{};
     for (long i = start; i < stop; ++i) {
-        T load = strips.half(i) * strips.half(i) * strips.width(i);
-        const auto& own = all[i] = creepages(v, middles[i].point, middles[i].axes, speed);
+        T load = as<T>(G(strips.half(i) * strips.half(i) * strips.width(i)));
+        const auto& own = all[i] = creepages_at(v, middles[i], speed);
         total += load, xi += load * own.longitudinal, eta += load * own.lateral, phi += load * own.spin;
     }
     return {xi / total, eta / total, phi / total};
 }
 
-template <class T>
-RollingPatch<T> rolling_patch(const Pressures<T>& strips, long contact, long start, long stop,
-                              const PatchFrames<T>& frames, const RigidMotion<T>& v, const PairElasticity& elastic,
+// Patch of a contact with strips from start to before stop; frames and pressures vary with the pose at most, T with the
+// motion, too.
+template <class T, class G, class Motion>
+RollingPatch<T> rolling_patch(const Pressures<G>& strips, long contact, long start, long stop,
+                              const PatchFrames<G>& frames, const Motion& v, const PairElasticity& elastic,
                               std::vector<Creepages<T>>& all) {
-    const auto& peak = frames.peaks[contact];
-    T speed = rolling_speed(v, peak.point, peak.axes[0]), a = strips.along(contact), b = strips.across(contact);
-    auto kalker = coefficients(elastic.table, T(a / b));
-    return {speed, mean_creepages(strips, start, stop, frames.middles, v, speed, all), a, b, strips.load(contact),
-            kalker, foundation(a, b, elastic.G, kalker)};
+    T speed = speed_at(v, frames.peaks[contact]);
+    const G &a = strips.along(contact), &b = strips.across(contact);
+    auto kalker = coefficients(elastic.table, G(a / b));
+    auto [along, across, spin] = foundation(a, b, elastic.G, kalker);
+    return {speed,
+            mean_creepages(strips, start, stop, frames.middles, v, speed, all),
+            as<T>(a),
+            as<T>(b),
+            as<T>(strips.load(contact)),
+            {as<T>(kalker[0]), as<T>(kalker[1]), as<T>(kalker[2])},
+            {as<T>(along), as<T>(across), as<T>(spin)}};
 }
 
 // Longitudinal and lateral force N on a patch by Polach's formula, for a friction coefficient.
@@ -162,7 +190,7 @@ inline std::pair<Array<double, 1>, Array<double, 1>> slip_velocities(const Strip
     std::vector<Creepages<double>> all(n);
     for (long c = 0; c < k; ++c, start = stop) {
         stop = end_of(strips.contact, start, c);
-        double speed = rolling_speed(v, frames.peaks[c].point, frames.peaks[c].axes[0]);
+        double speed = speed_at(v, frames.peaks[c]);
         if (!(speed > 0.0)) continue;
         auto [xi, eta, phi] = mean_creepages(strips, start, stop, frames.middles, v, speed, all);
         whole(c) = speed * std::hypot(xi, effective(eta, phi, strips.along(c)));

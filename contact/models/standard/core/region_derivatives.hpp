@@ -13,10 +13,11 @@ using ByPose = Dual<MOTIONS>;         // varies by these
 using OnLine = Dual<MOTIONS + 1>;     // and by the place s of a line of the wheel
 constexpr int ALONG_WHEEL = MOTIONS;  // that variable
 
-// Penetration m of a line of the wheel at its lowest point, its slope by s, and x m there.
+// Penetration m of a line of the wheel at its lowest point, its slope by s, x m there, and its place on the profile.
 template <class T>
 struct LineDepth {
     T depth, slope, x;
+    OnCurve<T> profile;
 };
 
 // Those of the line at s m, whose lowest point is known to be at x m; the rail's nearest sample, negative without one,
@@ -36,7 +37,7 @@ LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const T& s, 
     auto step = lowest_step(line, pair.radius, pose, sine, cosine, rail);
     T y = line.tangent.z * step.up.y + line.tangent.y * axle.y, z = line.tangent.z * step.up.z + line.tangent.y * axle.z;
     T slope = y * rail.tangent.z - z * rail.tangent.y + step.step * (y * rail.bend.z - z * rail.bend.y);
-    return {-step.height, slope, x + pair.radius * step.turn};
+    return {-step.height, slope, x + pair.radius * step.turn, line};
 }
 
 // Place s m at which a function of the line equals a level: of the implicit function.
@@ -135,8 +136,8 @@ class VariedRegions {
             long i = half * HALF + q;
             ByPose s = top[j].s + outward * POSITIONS[q];
             auto line = line_depth(pair, pose, s, found.strips(i, 1), near);
-            auto profile = at_place(pair.wheel, s);
             auto depth = covered<ByPose>(line.depth - level, valley, distance(s, top[k].s), merge);
+            const auto& profile = line.profile;
             auto cosine = value(profile.tangent.y) > MIN_SLOPE_COSINE ? profile.tangent.y : ByPose(MIN_SLOPE_COSINE);
             zones.contact(i) = contact, zones.s(i) = s, zones.x(i) = line.x;
             zones.width(i) = double(direction) * outward * WIDTHS[q];

@@ -87,7 +87,7 @@ inline WheelRegions store_force(const Parameters& p, const LeftPair<double>& own
     if (found.contacts.size() == 0) return found;
     auto zones = penetration_regions(found);
     auto strips = virtual_penetration(zones, p.elastic.E_star);
-    auto sum = strip_loads(strips, zones.weight, strip_frames(p.pair(), own.pose, zones, strips), own.motion,
+    auto sum = strip_loads<double>(strips, zones.weight, strip_frames(p.pair(), own.pose, zones, strips), own.motion,
                            p.friction());
     auto moment = sum.moment - cross(own.centre, sum.force);
     wrench(0) = sum.force.x, wrench(1) = sum.force.y, wrench(2) = sum.force.z;

@@ -8,45 +8,46 @@ namespace wr {
 constexpr int CHANGES = 12;  // six rigid motions of the wheel, changes of its velocity and of its angular velocity
 using ByMotion = Dual<CHANGES>;
 
-inline ByMotion by_motion(const ByPose& a) { return widened<CHANGES>(a, 0); }
-inline Vec<ByMotion> by_motion(const Vec<ByPose>& a) { return {by_motion(a.x), by_motion(a.y), by_motion(a.z)}; }
+// Motion of wheel and rail, which varies with the pose (the reference point of the wheel's moves with its frame) and in
+// itself: products with places and axes, which vary with the pose only, have six directions instead of twelve.
+struct VariedMotion {
+    RigidMotion<ByPose> with_pose;  // by the six rigid motions
+    RigidMotion<ByPose> by_itself;  // by velocity and angular velocity of the wheel
+};
 
-inline Array<ByMotion, 1> by_motion(const Array<ByPose, 1>& all) {
-    Array<ByMotion, 1> wider(all.size());
-    std::transform(all.begin(), all.end(), wider.begin(), [](const ByPose& a) { return by_motion(a); });
-    return wider;
-}
-
-inline std::vector<Frame<ByMotion>> by_motion(const std::vector<Frame<ByPose>>& all) {
-    std::vector<Frame<ByMotion>> wider(all.size());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        wider[i].point = by_motion(all[i].point);
-        for (int a = 0; a < 3; ++a) wider[i].axes[a] = by_motion(all[i].axes[a]);
-    }
-    return wider;
-}
-
-inline Pressures<ByMotion> by_motion(const Pressures<ByPose>& p) {
-    Pressures<ByMotion> wider;
-    wider.contact = p.contact, wider.s = by_motion(p.s), wider.x = by_motion(p.x);
-    wider.width = by_motion(p.width), wider.half = by_motion(p.half), wider.scale = by_motion(p.scale);
-    wider.load = by_motion(p.load), wider.along = by_motion(p.along), wider.across = by_motion(p.across);
-    return wider;
-}
-
-// Motion that varies; the reference point of the wheel's moves with its frame.
-inline RigidMotion<ByMotion> varied(const RigidMotion<double>& motion, const Pose<double>& pose) {
-    auto constant = [](const Vec<double>& a) { return vec_as<ByMotion>(a); };
+inline VariedMotion varied(const RigidMotion<double>& motion, const Pose<double>& pose) {
+    auto constant = [](const Vec<double>& a) { return vec_as<ByPose>(a); };
     auto variables = [](const Vec<double>& a, int first) {
-        return Vec<ByMotion>{variable<ByMotion>(a.x, first), variable<ByMotion>(a.y, first + 1),
-                             variable<ByMotion>(a.z, first + 2)};
+        return Vec<ByPose>{variable<ByPose>(a.x, first), variable<ByPose>(a.y, first + 1),
+                           variable<ByPose>(a.z, first + 2)};
     };
-    auto arm = motion.wheel.reference - pose.origin;
-    auto moved = varied<ByMotion>(pose);
-    Vec<ByMotion> none{}, turn = variables({}, 3);
-    return {{variables(motion.wheel.velocity, MOTIONS), variables(motion.wheel.rotation, MOTIONS + 3),
-             moved.origin + (constant(arm) + cross(turn, arm))},
-            {constant(motion.rail.velocity), constant(motion.rail.rotation), constant(motion.rail.reference) + none}};
+    const auto& [wheel, rail] = motion;
+    auto arm = wheel.reference - pose.origin;
+    Twist<ByPose> other{constant(rail.velocity), constant(rail.rotation), constant(rail.reference)};
+    return {{{constant(wheel.velocity), constant(wheel.rotation),
+              variables(wheel.reference, 0) + cross(variables({}, 3), arm)},
+             other},
+            {{variables(wheel.velocity, 0), variables(wheel.rotation, 3), constant(wheel.reference)}, other}};
+}
+
+// One number of both derivatives.
+inline ByMotion joined(const ByPose& with_pose, const ByPose& by_itself) {
+    ByMotion r = as<ByMotion>(with_pose);
+    std::copy(by_itself.d, by_itself.d + MOTIONS, r.d + MOTIONS);
+    return r;
+}
+
+inline ByMotion speed_at(const VariedMotion& v, const Frame<ByPose>& at) {
+    return joined(rolling_speed(v.with_pose, at.point, at.axes[0]),
+                  rolling_speed(v.by_itself, value(at.point), value(at.axes[0])));
+}
+
+inline Creepages<ByMotion> creepages_at(const VariedMotion& v, const Frame<ByPose>& at, const ByMotion& speed) {
+    if (!(value(speed) > 0.0)) return {};
+    Vec<double> axes[] = {value(at.axes[0]), value(at.axes[1]), value(at.axes[2])};
+    auto a = creepages(v.with_pose, at.point, at.axes, 1.0), b = creepages(v.by_itself, value(at.point), axes, 1.0);
+    return {joined(a.longitudinal, b.longitudinal) / speed, joined(a.lateral, b.lateral) / speed,
+            joined(a.spin, b.spin) / speed};
 }
 
 // Derivative (6, 12) of force and moment about the rail's origin of a wheel, with FASTSIM or without friction; filled.
@@ -55,9 +56,7 @@ inline void store_tangent(const Parameters& p, const LeftPair<double>& own, cons
     auto zones = VariedRegions(p.pair(), own.pose, p.lines.s, p.merge, found).regions();
     auto strips = virtual_penetration(zones, p.elastic.E_star);
     auto frames = strip_frames(p.pair(), varied<ByPose>(own.pose), zones, strips);
-    PatchFrames<ByMotion> moved{by_motion(frames.middles), by_motion(frames.peaks)};
-    auto sum = strip_loads(by_motion(strips), by_motion(zones.weight), moved, varied(own.motion, own.pose),
-                           p.friction());
+    auto sum = strip_loads<ByMotion>(strips, zones.weight, frames, varied(own.motion, own.pose), p.friction());
     const ByMotion* rows[] = {&sum.force.x,  &sum.force.y,  &sum.force.z,
                               &sum.moment.x, &sum.moment.y, &sum.moment.z};
     for (int r = 0; r < 6; ++r) std::copy(rows[r]->d, rows[r]->d + CHANGES, tangent[r].begin());
