@@ -64,6 +64,18 @@ void bind_ellipses(nb::module_& m) {
         "Potential of a strip's pressure at a lateral distance away m: the integral m over x of sqrt(half^2 - x^2) / "
         "sqrt(x^2 + away^2).");
     m.def(
+        "axis_ratio_slope",
+        [](double curvatures) { return axis_ratio(variable<Dual<1>>(curvatures, 0)).d[0]; }, "curvatures"_a,
+        "Derivative of `axis_ratio`.");
+    m.def(
+        "potential_slopes",
+        [](double half, double away) {
+            using T = Dual<2>;
+            T at = strip_potential(variable<T>(half, 0), variable<T>(away, 1));
+            return Triple{at.v, at.d[0], at.d[1]};
+        },
+        "half"_a, "away"_a, "`strip_potential` and its derivatives by half length and distance.");
+    m.def(
         "polach",
         [](const std::array<double, 3>& creepages, const std::array<double, 2>& semi_axes, double bound, double G,
            const std::array<double, 3>& kalker, const std::array<double, 2>& reduction) {
@@ -146,6 +158,22 @@ void bind_strips(nb::module_& m) {
         "strips"_a, "weight"_a,
         "Number (k,) of the patch of each contact, with weights (k,), by decreasing load: contacts whose pressures "
         "overlap share one.");
+    m.def(
+        "patch_rows",
+        [](const Numbers& weight, const StripPressures& strips, const StripTractions& cells, const StripFrames& middles,
+           const Rows& on_wheel, const Rows& on_rail, const RigidVelocities& v) {
+            long n = strips.s.size(), size = cells.area.size();
+            require_contacts(strips, weight.size());
+            require(n > 0 && size % n == 0 && middles.point.size() == n && cells.speed.size() == weight.size(),
+                    "cells, middles: must be those of the strips");
+            std::array<long, 2> places{n, 2};
+            require(on_wheel.shape == places && on_rail.shape == places, "on_wheel, on_rail: must be (n, 2)");
+            return patch_rows(weight, strips, cells, middles.frames(), {on_wheel, on_rail}, v.motion());
+        },
+        "weight"_a, "strips"_a, "cells"_a, "middles"_a, "on_wheel"_a, "on_rail"_a, "v"_a, Unlocked(),
+        "Sums over the cells of every patch, rows (p, 26) of `store_patch` by decreasing load: weights (k,) of the "
+        "contacts; n strips and their cells and frames; arc lengths and lateral positions (n, 2) m of the strips on "
+        "both profiles; rigid motion of wheel and rail.");
 }
 
 void bind_wheels(nb::module_& m) {
@@ -197,6 +225,15 @@ void bind_wheels(nb::module_& m) {
         "p"_a, "pairs"_a, "forces"_a, "wheels"_a, "states"_a, "dimensions"_a, "mirror"_a, Unlocked(),
         "Derivatives (m, 6, 9) of forces and moments by the coordinates of wheelsets; parameters as for "
         "`wheel_tangents` and `forces_in_states`, whose results these are.");
+    m.def(
+        "wheel_patches",
+        [](const Parameters& p, const WheelPairs& pairs, const WheelForces& forces, long i) {
+            require(pairs.size() == forces.wrench.size() && 0 <= i && i < pairs.size() && forces.touches(i),
+                    "i: must be a wheel of the pairs that touches its rail");
+            return wheel_patches(p, pairs, forces, i);
+        },
+        "p"_a, "pairs"_a, "forces"_a, "i"_a, Unlocked(),
+        "Rows of all patches of wheel i by decreasing load, as `patch_rows`; parameters as for `wheel_tangents`.");
 }
 
 }  // namespace

@@ -11,26 +11,30 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.bindings._contact import RigidVelocities
+from wheelrail.bindings._contact import (
+    FASTSIM,
+    NO_FRICTION,
+    POLACH,
+    PairElasticity,
+    Parameters,
+    RigidVelocities,
+    StripFrames,
+    StripFriction,
+    StripPressures,
+    hertzian,
+    slip_velocities,
+    strip_forces,
+    virtual_penetration,
+)
 from wheelrail.contact.geometry.rigid_surfaces import RigidPair, RigidWheelRail
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.left_pair import motion_of, pose_of, velocities_of
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.laws.pointwise import FrictionFunctions
-from wheelrail.contact.models.standard.creep_coefficients import PairElasticity
-from wheelrail.contact.models.standard.forces import (
-    FASTSIM,
-    NO_FRICTION,
-    POLACH,
-    StripFrames,
-    StripFriction,
-    slip_velocities,
-    strip_forces,
-)
-from wheelrail.contact.models.standard.normal import StripPressures, hertzian, virtual_penetration
+from wheelrail.contact.models.standard.creep_coefficients import pair_elasticity
 from wheelrail.contact.models.standard.patches import StripContacts
-from wheelrail.contact.models.standard.wheel_rail import Parameters, SolvedWheels
+from wheelrail.contact.models.standard.wheel_rail import SolvedWheels
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
 from wheelrail.support.arrays import Array
 
@@ -85,14 +89,19 @@ class StandardContact:
 
     @cached_property
     def elasticity(self) -> PairElasticity:
-        return PairElasticity.of(self.upper, self.lower)
+        return pair_elasticity(self.upper, self.lower)
 
     @cached_property
     def method(self) -> int:
-        """Tangential method for compiled code."""
+        """Tangential method for the core."""
         if not self.laws.frictional:
             return NO_FRICTION
         return FASTSIM if self.tangential == "fastsim" else POLACH
+
+    @cached_property
+    def factors(self) -> tuple[float, float]:
+        """Reduction factors for the core."""
+        return float(self.reduction[0]), float(self.reduction[1])
 
     @cached_property
     def friction_law(self) -> FrictionFunctions:
@@ -113,14 +122,14 @@ class StandardContact:
         """Friction coefficients at the rigid slip of cells (FASTSIM) or contacts (Polach)."""
         mu, n, k = self.constant_friction, self.cells * len(strips.s), len(peaks.point)
         if mu is not None:
-            return StripFriction(self.method, np.full(n, mu), np.full(k, mu), self.reduction)
-        slips = slip_velocities(strips, k, middles, peaks, velocities, self.cells)
+            return StripFriction(self.method, np.full(n, mu), np.full(k, mu), self.factors)
+        slips = slip_velocities(strips, middles, peaks, velocities, self.cells)
         cells, contacts = (self.friction_law.coefficient(w, np.zeros(len(w))) for w in slips)
-        return StripFriction(self.method, cells, contacts, self.reduction)
+        return StripFriction(self.method, cells, contacts, self.factors)
 
     @cached_property
     def together(self) -> Parameters | None:
-        """What is the same for all wheels that one compiled call solves: of pressures by Piotrowski and Kik on profiles
+        """What is the same for all wheels that one call of the core solves: of pressures by Piotrowski and Kik on profiles
         with constant friction; None for others.
         """
         pair, mu = self.surfaces, self.constant_friction
@@ -135,7 +144,7 @@ class StandardContact:
             self.elasticity,
             self.method,
             float(mu),
-            (float(self.reduction[0]), float(self.reduction[1])),
+            self.factors,
             self.cells,
         )
 

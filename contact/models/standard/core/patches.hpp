@@ -2,7 +2,8 @@
 #pragma once
 #include <numeric>
 
-#include "contact/models/standard/core/forces.hpp"
+#include "contact/models/standard/core/wheel_rail.hpp"
+#include "contact/results/core/patch_sums.hpp"
 
 namespace wr {
 
@@ -55,6 +56,68 @@ inline double joint_pressure(const StripPressures& strips, const Numbers& weight
     for (long c = 0; c < weight.size(); ++c)
         if (c != own && patch(c) == patch(own)) joint += weight(c) * pressure_at(strips, c, strips.s(i)), alone = false;
     return alone ? total : joint;
+}
+
+// Arc lengths and lateral positions (n, 2) m of n strips on the profiles of wheel and rail.
+struct ProfilePlaces {
+    Rows wheel, rail;
+};
+
+// Sums over the cells of every patch, rows (p, 26) of `store_patch` by decreasing load.
+//
+// Parameters: weights (k,) of the contacts; n strips of the contacts, and their cells; frames and places of the strips;
+// rigid motion of wheel and rail.
+inline Array<double, 2> patch_rows(const Numbers& weight, const StripPressures& strips, const StripTractions& cells,
+                                   const std::vector<Frame<double>>& frames, const ProfilePlaces& places,
+                                   const RigidMotion<double>& v) {
+    long n = strips.s.size(), size = cells.area.size(), m = n ? size / n : 0;
+    PatchPoints points;
+    points.point = cells.point, points.area = cells.area, points.step = cells.length;
+    points.pressure = cells.pressure, points.traction = cells.traction, points.sticks = cells.sticks;
+    points.axes = Array<double, 3>(size, 3, 3), points.level = Array<double, 2>(size, 3);
+    points.on_wheel = Array<double, 2>(size, 2), points.on_rail = Array<double, 2>(size, 2);
+    for (long q = 0; q < size; ++q) {
+        long i = q / m;
+        for (int a = 0; a < 3; ++a) store_vector(frames[i].axes[a], points.axes[q][a]);
+        store_vector(frames[i].axes[0], points.level[q]);
+        for (int c = 0; c < 2; ++c) points.on_wheel(q, c) = places.wheel(i, c), points.on_rail(q, c) = places.rail(i, c);
+    }
+    double speed = 0.0;
+    if (std::any_of(cells.traction.begin(), cells.traction.end(), [](double t) { return t != 0.0; }))
+        speed = std::accumulate(cells.speed.begin(), cells.speed.end(), 0.0) / double(cells.speed.size());
+    auto patch = patch_numbers(strips, weight);
+    long count = weight.size() ? *std::max_element(patch.begin(), patch.end()) + 1 : 0;
+    Array<double, 2> rows(count, PATCH_NUMBERS);
+    for (long place = 0; place < count; ++place) {
+        Array<bool, 1> inside(size);
+        double peak = 0.0;
+        for (long i = 0; i < n; ++i) {
+            if (patch(strips.contact(i)) != place) continue;
+            auto own = inside.part(i * m, (i + 1) * m);
+            std::fill(own.begin(), own.end(), true);
+            peak = std::max(peak, joint_pressure(strips, weight, patch, i));
+        }
+        store_patch(patch_sums(inside, points, v, speed), peak, rows[place]);
+    }
+    return rows;
+}
+
+// Rows of all patches of wheel i by decreasing load, as `patch_rows`.
+inline Array<double, 2> wheel_patches(const Parameters& p, const WheelPairs& pairs, const WheelForces& forces,
+                                      long i) {
+    auto own = pairs[i];
+    auto zones = penetration_regions(regions_of(forces, i));
+    auto strips = virtual_penetration(zones, p.elastic.E_star);
+    auto frames = strip_frames(p.pair(), own.pose, zones, strips);
+    long n = strips.s.size();
+    Array<double, 1> of_cells(n * p.cells), of_contacts(zones.peak.size());
+    std::fill(of_cells.begin(), of_cells.end(), p.mu), std::fill(of_contacts.begin(), of_contacts.end(), p.mu);
+    StripFriction friction{p.method, of_cells, of_contacts, p.reduction};
+    auto tractions = strip_forces(strips, zones.weight, frames, own.motion, p.elastic, friction, p.cells);
+    Array<double, 2> points(n, 3);
+    for (long q = 0; q < n; ++q) store_vector(frames.middles[q].point, points[q]);
+    auto [wheel, rail] = profile_places(p.wheel, p.rail, strips.s, points);
+    return patch_rows(zones.weight, strips, tractions, frames.middles, {wheel, rail}, own.motion);
 }
 
 }  // namespace wr
