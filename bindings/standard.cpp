@@ -65,8 +65,11 @@ void bind_ellipses(nb::module_& m) {
         "sqrt(x^2 + away^2).");
     m.def(
         "axis_ratio_slope",
-        [](double curvatures) { return axis_ratio(variable<Dual<1>>(curvatures, 0)).d[0]; }, "curvatures"_a,
-        "Derivative of `axis_ratio`.");
+        [](double curvatures) {
+            auto ratio = axis_ratio(variable<Dual<1>>(curvatures, 0, curvatures));
+            return ratio.d[0] / ratio.v;
+        },
+        "curvatures"_a, "Logarithmic derivative of `axis_ratio`.");
     m.def(
         "potential_slopes",
         [](double half, double away) {
