@@ -129,8 +129,8 @@ class StandardContact:
 
     @cached_property
     def together(self) -> Parameters | None:
-        """What is the same for all wheels that one call of the core solves: of pressures by Piotrowski and Kik on profiles
-        with constant friction; None for others.
+        """What is the same for all wheels that one call of the core solves: of pressures by Piotrowski and Kik on
+        profiles with constant friction; None for others.
         """
         pair, mu = self.surfaces, self.constant_friction
         if not isinstance(pair, RigidWheelRail) or mu is None or self.normal != "kik-piotrowski":
