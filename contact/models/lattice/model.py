@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.bindings._contact import SurfaceData
+from wheelrail.bindings._contact import StripBasis, SurfaceData
 from wheelrail.contact.geometry.interpenetration import TOO_DEEP
 from wheelrail.contact.geometry.strip_lattice import cells_along, lattice_sides
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
@@ -19,7 +19,7 @@ from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.lattice.blend import blended
 from wheelrail.contact.models.lattice.bulk_displacement import BulkDisplacement
-from wheelrail.contact.models.lattice.influence.basis import StripBasis, strip_basis
+from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.contact.models.lattice.levels import ORDINARY, LevelShares, LevelSolutions, level_shares

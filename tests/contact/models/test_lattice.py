@@ -13,6 +13,8 @@ import pytest
 from half_space import Cells, HalfSpaces
 
 from wheelrail.bindings._contact import (
+    MODES,
+    MOMENTS,
     SLOPES,
     Linearisation,
     advance,
@@ -33,7 +35,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
-from wheelrail.contact.models.lattice.influence.basis import MODES, MOMENTS, strip_basis
+from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.lattice.solver import newton

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.models.lattice.influence.basis import MODES
+from wheelrail.bindings._contact import MODES
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from wheelrail.bindings._contact import moved
+from wheelrail.bindings._contact import MODES, moved
 from wheelrail.contact.geometry.strip_lattice import cells_along
 from wheelrail.contact.geometry.strip_surfaces import QuadricStrips
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
@@ -16,7 +16,6 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice import model as lattice_model
-from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.contact.models.lattice.system.state import LatticeState
 from wheelrail.contact.models.wheelset import WheelsetContact

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from wheelrail.bindings._contact import (
+    MODES,
     moved,
     opening,
     opening_changes,
@@ -22,7 +23,6 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.lattice.influence.basis import MODES
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
 from wheelrail.contact.results.result import ContactResult
