@@ -270,7 +270,7 @@ def test_the_vehicle_imports_nothing_heavy(compiled: bool) -> None:
     """Compiled equations of motion need Numba, which loads SciPy; track, data and time integration do not."""
     heavy = ["dolfinx", "petsc4py", "mpi4py", "gmsh", "pyvista", "xarray", "matplotlib", "pydantic", "rich"]
     if not compiled:
-        heavy += ["numba", "scipy"]
+        heavy += ["scipy"]
     code = (
         "import sys, pkgutil, importlib, wheelrail.vehicle as vehicle\n"
         "names = [m.name for m in pkgutil.walk_packages(vehicle.__path__, 'wheelrail.vehicle.') if not m.ispkg]\n"

@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]  # of a checkout
-LIBRARIES = ("numpy", "scipy", "numba", "fenics-dolfinx", "petsc4py", "xarray")
+LIBRARIES = ("numpy", "scipy", "fenics-dolfinx", "petsc4py", "xarray")
 PATIENCE = 5.0  # s for git
 
 
