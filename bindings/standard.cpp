@@ -36,9 +36,10 @@ void require_wheels(const WheelPairs& pairs, const WheelForces& forces, const In
 }
 
 void bind_ellipses(nb::module_& m) {
-    structure<PairElasticity>(m, "PairElasticity", {"E_star", "G", "table"},
-                              "Combined elastic constants of two bodies: E* Pa, combined shear modulus G Pa, and table "
-                              "(2, 10, 3), C11, C22, C23 of `kalker` for a <= b, then for a >= b, at the ratios RATIO.");
+    structure<PairElasticity>(
+        m, "PairElasticity", {"E_star", "G", "table"},
+        "Combined elastic constants of two bodies: E* Pa, combined shear modulus G Pa, and table "
+        "(2, 10, 3), C11, C22, C23 of `kalker` for a <= b, then for a >= b, at the ratios RATIO.");
     m.def(
         "complete",
         [](double k) {
@@ -48,8 +49,8 @@ void bind_ellipses(nb::module_& m) {
         "k"_a, "Complete elliptic integrals K and D = (K - E) / (1 - k^2) of the complementary modulus k, 0 < k <= 1.");
     m.def(
         "axis_ratio", [](double curvatures) { return axis_ratio(curvatures); }, "curvatures"_a,
-          "Semi-axes short / long of the patch from the coefficients A / B <= 1 of the gap A x^2 + B y^2 (Johnson 1985, "
-          "eq. 4.26).");
+        "Semi-axes short / long of the patch from the coefficients A / B <= 1 of the gap A x^2 + B y^2 (Johnson 1985, "
+        "eq. 4.26).");
     m.def(
         "ellipse",
         [](double A, double B, double approach, double E_star) {
@@ -101,15 +102,17 @@ void bind_strips(nb::module_& m) {
     structure<StripPressures>(
         m, "StripPressures", {"contact", "s", "x", "width", "half", "scale", "load", "along", "across"},
         "Pressures on n strips of k contacts: contact (n,); s, x (n,) m, middle of the strip, arc length on the upper "
-        "body's profile and along the rolling direction; width and half length (n,) m; scale (n,) Pa/m, the pressure at "
+        "body's profile and along the rolling direction; width and half length (n,) m; scale (n,) Pa/m, the pressure "
+        "at "
         "x from the middle is scale sqrt(half^2 - x^2); load (k,) N, normal force; along and across (k,) m, semi-axes "
         "of the ellipse with the pressure's second moments.");
     structure<StripFriction>(m, "StripFriction", {"method", "of_cells", "of_contacts", "reduction"},
                              "Tangential method, NO_FRICTION, FASTSIM or POLACH; friction coefficients of_cells (n m,) "
                              "for FASTSIM and of_contacts (k,) for Polach's formula; its factors k_A and k_S.");
-    structure<StripFrames>(m, "StripFrames", {"point", "axes"},
-                           "Points (n, 3) m on the wheel's surface and axes (n, 3, 3) there, rows longitudinal, lateral "
-                           "and outward.");
+    structure<StripFrames>(
+        m, "StripFrames", {"point", "axes"},
+        "Points (n, 3) m on the wheel's surface and axes (n, 3, 3) there, rows longitudinal, lateral "
+        "and outward.");
     structure<StripTractions>(
         m, "StripTractions",
         {"force", "moment", "speed", "point", "length", "area", "pressure", "traction", "slip", "sticks"},
@@ -120,7 +123,8 @@ void bind_strips(nb::module_& m) {
     m.attr("NO_FRICTION") = NO_FRICTION;
     m.attr("FASTSIM") = FASTSIM;
     m.attr("POLACH") = POLACH;
-    m.def("penetration_regions", &penetration_regions, "found"_a, "Contacts and strips of a wheel's regions as columns.");
+    m.def("penetration_regions", &penetration_regions, "found"_a,
+          "Contacts and strips of a wheel's regions as columns.");
     m.def("virtual_penetration", &virtual_penetration<double>, "zones"_a, "E_star"_a, Unlocked(),
           "Piotrowski and Kik's pressure on the interpenetration regions, with shape correction; E* Pa.");
     m.def("hertzian", &hertzian, "zones"_a, "E_star"_a, Unlocked(),
@@ -129,9 +133,7 @@ void bind_strips(nb::module_& m) {
     m.def(
         "slip_velocities",
         [](const StripPressures& strips, const StripFrames& middles, const StripFrames& peaks, const RigidVelocities& v,
-           long cells) {
-            return slip_velocities(strips, frames_of(strips, middles, peaks), v.motion(), cells);
-        },
+           long cells) { return slip_velocities(strips, frames_of(strips, middles, peaks), v.motion(), cells); },
         "strips"_a, "middles"_a, "peaks"_a, "v"_a, "cells"_a, Unlocked(),
         "Rigid slip velocities on the cells of strips (n cells,), and of the contacts as a whole (k,), m/s; frames in "
         "the middles of the strips and at the maxima of the penetration.");
@@ -149,7 +151,8 @@ void bind_strips(nb::module_& m) {
         },
         "strips"_a, "share"_a, "middles"_a, "peaks"_a, "v"_a, "elastic"_a, "tangential"_a, "cells"_a, Unlocked(),
         "Tractions of k contacts on the cells of n strips: share (k,), weights of the contacts' areas; frames in the "
-        "middles of the n strips, and at the k maxima of the penetration, where the contacts' rolling speeds are taken; "
+        "middles of the n strips, and at the k maxima of the penetration, where the contacts' rolling speeds are "
+        "taken; "
         "rigid motion of wheel and rail; cells along each strip. Contacts with a rolling speed that is not positive "
         "have no tangential tractions.");
     m.def(
@@ -181,15 +184,15 @@ void bind_strips(nb::module_& m) {
 
 void bind_wheels(nb::module_& m) {
     structure<Parameters>(
-        m, "Parameters",
-        {"wheel", "rail", "radius", "lines", "merge", "elastic", "method", "mu", "reduction", "cells"},
+        m, "Parameters", {"wheel", "rail", "radius", "lines", "merge", "elastic", "method", "mu", "reduction", "cells"},
         "What is the same for all wheels of a pair of profiles: wheel, rail, radius m, lines and merge m as for "
         "`wheel_regions`; constants of both bodies; method of the tangential problem, see `StripFriction`; friction "
         "coefficient mu; factors of Polach's formula; cells along each strip.");
     structure<WheelForces>(
         m, "WheelForces", {"wrench", "values", "starts", "top", "low", "edges", "contacts", "contact", "strips"},
         "Forces of w wheels, and the regions of all: wrench (w, 6) force N and moment N m; values (w, 8), largest "
-        "penetration m; 1 for a wheel inside the rail or over an end of a profile, otherwise 0; numbers of contacts and "
+        "penetration m; 1 for a wheel inside the rail or over an end of a profile, otherwise 0; numbers of contacts "
+        "and "
         "of cells; largest semi-axes m along and across; smallest rolling speed m/s; largest pressure Pa; starts (w + "
         "1, 6), first rows of each wheel in the arrays that follow; these are those of `WheelRegions`, wheel after "
         "wheel.");

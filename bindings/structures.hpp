@@ -169,6 +169,9 @@ nb::class_<Kept<T>> structure(nb::module_& m, const char* name, const char* cons
          ...);
     };
     define(std::make_index_sequence<N>());
+    nb::list listed;
+    for (const char* field : names) listed.append(field);
+    made.attr("_fields") = nb::tuple(listed);
     made.def(
         "_replace",
         [names](nb::handle self, const nb::kwargs& changes) {

@@ -2,9 +2,9 @@
 
 A line of JSON is followed by the arrays' elements, one array after another. The JSON has the classes (name and
 fields), the arrays (type, shape and order) and the value, in which compounds are lists that begin with their kind.
-Nothing in the bytes is executed: objects are made without calling their class, and only of dataclasses and named tuples
-of the packages that the reader admits. Numbers keep every bit, also those of arrays; an array that occurs twice is
-stored once.
+Nothing in the bytes is executed: objects are made without calling their class, but for structures of the core, which
+check their fields, and only of dataclasses, named tuples and structures of the packages that the reader admits. Numbers
+keep every bit, also those of arrays; an array that occurs twice is stored once.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ def encode(value: Any) -> bytes:
     """A value as bytes.
 
     Parameters:
-        value: None, truth values, numbers, strings, arrays of numbers, and lists, tuples, mappings, dataclasses and
-            named tuples of such values. Another sequence is stored as a tuple, another mapping as a dictionary.
+        value: None, truth values, numbers, strings, arrays of numbers, and lists, tuples, mappings, dataclasses,
+            named tuples and structures of the core of such values. Another sequence is stored as a tuple, another
+            mapping as a dictionary.
 
     Raises TypeError for anything else.
     """
@@ -82,8 +83,8 @@ class _Writer:
             return ["number", self._array_number(np.asarray(value))]
         if is_dataclass(kind):
             return self._object(kind, [(part.name, getattr(value, part.name)) for part in fields(kind)])
-        if issubclass(kind, tuple) and hasattr(kind, "_fields"):
-            return self._object(kind, list(zip(kind._fields, value, strict=True)))
+        if hasattr(kind, "_fields"):
+            return self._object(kind, [(name, getattr(value, name)) for name in kind._fields])
         if isinstance(value, Mapping):
             return ["dict", *([self.tree(key), self.tree(item)] for key, item in value.items())]
         if isinstance(value, Sequence) and not isinstance(value, bytes | bytearray | memoryview | str):
@@ -128,7 +129,7 @@ def _arrays(layouts: Sequence[tuple[str, list[int], str]], elements: bytes) -> I
 
 
 def _admitted_class(entry: tuple[str, str, list[str]], packages: Sequence[str]) -> type:
-    """The dataclass or named tuple of an admitted package with this module, name and fields."""
+    """The dataclass, named tuple or structure of an admitted package with this module, name and fields."""
     module, name, names = entry
     if not MODULE.fullmatch(module) or not module.startswith(tuple(f"{package}." for package in packages)):
         raise ValueError(f"{module!s:.100}.{name!s:.50} is not admitted")
@@ -164,9 +165,9 @@ def _value(tree: Any, classes: Sequence[type], arrays: Sequence[NDArray[Any]]) -
 
 
 def _object(kind: Any, values: list[Any]) -> Any:
-    """An object with given values of its fields, without a call of its class."""
-    if issubclass(kind, tuple):
-        return kind._make(values)
+    """An object with given values of its fields, without a call of its class, but for structures of the core."""
+    if hasattr(kind, "_fields"):
+        return kind._make(values) if issubclass(kind, tuple) else kind(*values)
     made = object.__new__(kind)
     for part, value in zip(fields(kind), values, strict=True):
         object.__setattr__(made, part.name, value)

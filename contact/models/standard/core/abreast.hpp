@@ -74,7 +74,7 @@ struct Abreast {
         return each([&](int k) { return root(a.p[k]); });
     }
 
-   private:
+  private:
     static part8 root(part8 a) {
 #if defined(__AVX2__) && defined(__FMA__)
         return _mm256_sqrt_pd(a);

@@ -84,8 +84,8 @@ inline void strip_tractions(double half, const Creepages<double>& creep, const C
     const auto& [along, across, spin] = flexible;
     long m = long(bounds.size());
     double h = 2.0 * half / double(m), before = 0.0, step = 0.5 * h, x = half - 0.25 * h;
-    Traction<double> q, apart{creep.longitudinal * (1.0 / spin - 1.0 / along),
-                              creep.lateral * (1.0 / spin - 1.0 / across)};
+    Traction<double> q,
+        apart{creep.longitudinal * (1.0 / spin - 1.0 / along), creep.lateral * (1.0 / spin - 1.0 / across)};
     double softest = std::max({along, across, spin}), stiffest = std::min({along, across, spin});
     for (long i = m - 1; i >= -1; --i) {
         Traction<double> w{own.longitudinal / spin, (own.lateral + own.spin * x) / spin};

@@ -17,9 +17,9 @@ constexpr double PARABOLA = 0.375 * std::numbers::pi;  // peak over that of a ha
 // Tangential method and friction coefficients.
 struct StripFriction {
     long method = NO_FRICTION;
-    Numbers of_cells;                     // (n m,), for FASTSIM
-    Numbers of_contacts;                  // (k,), for Polach's formula
-    std::array<double, 2> reduction{}; // factors k_A and k_S of Polach's formula
+    Numbers of_cells;                   // (n m,), for FASTSIM
+    Numbers of_contacts;                // (k,), for Polach's formula
+    std::array<double, 2> reduction{};  // factors k_A and k_S of Polach's formula
 
     auto fields() { return std::tie(method, of_cells, of_contacts, reduction); }
 };
@@ -40,9 +40,7 @@ struct StripFrames {
     Blocks axes;
 
     auto fields() { return std::tie(point, axes); }
-    bool fits() const {
-        return point.shape[1] == 3 && axes.shape == std::array<long, 3>{point.size(), 3, 3};
-    }
+    bool fits() const { return point.shape[1] == 3 && axes.shape == std::array<long, 3>{point.size(), 3, 3}; }
     std::vector<Frame<double>> frames() const {
         std::vector<Frame<double>> all(point.size());
         for (long i = 0; i < point.size(); ++i) {
@@ -129,8 +127,7 @@ RollingPatch<T> rolling_patch(const Pressures<G>& strips, long contact, long sta
 inline std::array<double, 2> polach_force(const RollingPatch<double>& patch, double G, double friction,
                                           const std::array<double, 2>& reduction) {
     const auto& [xi, eta, phi] = patch.creepages;
-    return polach({xi, eta, phi}, {patch.along, patch.across}, friction * patch.load, G, patch.kalker,
-                  reduction);
+    return polach({xi, eta, phi}, {patch.along, patch.across}, friction * patch.load, G, patch.kalker, reduction);
 }
 
 // Means (m,) over m equal cells from -1 to 1 of sqrt(1 - t^2).
@@ -160,13 +157,13 @@ inline double place_of(double half, long j, long m) { return half * ((2.0 * doub
 
 // Tractions of k contacts on n cells, strip by strip from the trailing end, and their resultants.
 struct StripTractions {
-    Array<double, 1> force, moment;       // (3,) N and N m, about the origin
-    Array<double, 1> speed;               // (k,) m/s, rolling speed of the contacts
-    Array<double, 2> point;               // (n, 3) m
-    Array<double, 1> length, area;        // (n,) m, and m2 times the weight of the contact
-    Array<double, 1> pressure;            // (n,) Pa
-    Array<double, 2> traction, slip;      // (n, 2) Pa, and over the rolling speed
-    Array<bool, 1> sticks;                // (n,), whether the slip is zero
+    Array<double, 1> force, moment;   // (3,) N and N m, about the origin
+    Array<double, 1> speed;           // (k,) m/s, rolling speed of the contacts
+    Array<double, 2> point;           // (n, 3) m
+    Array<double, 1> length, area;    // (n,) m, and m2 times the weight of the contact
+    Array<double, 1> pressure;        // (n,) Pa
+    Array<double, 2> traction, slip;  // (n, 2) Pa, and over the rolling speed
+    Array<bool, 1> sticks;            // (n,), whether the slip is zero
 
     auto fields() { return std::tie(force, moment, speed, point, length, area, pressure, traction, slip, sticks); }
     bool fits() const {
@@ -177,7 +174,15 @@ struct StripTractions {
     }
     StripTractions() = default;
     StripTractions(long n, long k)
-        : force(3), moment(3), speed(k), point(n, 3), length(n), area(n), pressure(n), traction(n, 2), slip(n, 2),
+        : force(3),
+          moment(3),
+          speed(k),
+          point(n, 3),
+          length(n),
+          area(n),
+          pressure(n),
+          traction(n, 2),
+          slip(n, 2),
           sticks(n) {}
 };
 
@@ -207,8 +212,8 @@ inline void integrate_tractions(const StripTractions& cells, const std::vector<F
     Vec<double> force, moment;
     for (long q = 0; q < cells.area.size(); ++q) {
         const auto& [along, across, outward] = frames[q / m].axes;
-        auto p = cells.area(q) * (cells.traction(q, 0) * along + cells.traction(q, 1) * across -
-                                  cells.pressure(q) * outward);
+        auto p = cells.area(q) *
+                 (cells.traction(q, 0) * along + cells.traction(q, 1) * across - cells.pressure(q) * outward);
         force = force + p, moment = moment + cross(vec_of(cells.point[q]), p);
     }
     for (auto [to, from] : {std::pair{&cells.force, force}, std::pair{&cells.moment, moment}})

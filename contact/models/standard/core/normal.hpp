@@ -10,11 +10,11 @@ namespace wr {
 // Pressures on n strips of k contacts, contact by contact.
 template <class T>
 struct Pressures {
-    Array<long, 1> contact;  // (n,), index of the contact
-    Array<T, 1> s, x;  // (n,) m, middle of the strip: arc length on the upper body's profile, and along rolling
-    Array<T, 1> width, half;    // (n,) m, width and half length
-    Array<T, 1> scale;          // (n,) Pa/m; the pressure at x from the middle is scale sqrt(half^2 - x^2)
-    Array<T, 1> load;           // (k,) N, normal force
+    Array<long, 1> contact;   // (n,), index of the contact
+    Array<T, 1> s, x;         // (n,) m, middle of the strip: arc length on the upper body's profile, and along rolling
+    Array<T, 1> width, half;  // (n,) m, width and half length
+    Array<T, 1> scale;        // (n,) Pa/m; the pressure at x from the middle is scale sqrt(half^2 - x^2)
+    Array<T, 1> load;         // (k,) N, normal force
     Array<T, 1> along, across;  // (k,) m, semi-axes of the ellipse with the pressure's second moments
 
     auto fields() { return std::tie(contact, s, x, width, half, scale, load, along, across); }
@@ -26,8 +26,7 @@ struct Pressures {
         return right;
     }
     Pressures() = default;
-    Pressures(long n, long k)
-        : contact(n), s(n), x(n), width(n), half(n), scale(n), load(k), along(k), across(k) {}
+    Pressures(long n, long k) : contact(n), s(n), x(n), width(n), half(n), scale(n), load(k), along(k), across(k) {}
 };
 
 using StripPressures = Pressures<double>;

@@ -47,8 +47,8 @@ inline double pressure_at(const StripPressures& strips, long contact, double s) 
     return std::isfinite(above - below) ? low + (high - low) * (s - below) / (above - below) : 0.0;
 }
 
-// Largest pressure Pa along strip i: of contacts that are about to merge, and press on the same places, the sum; weights
-// (k,) of the contacts, and patch (k,) of each.
+// Largest pressure Pa along strip i: of contacts that are about to merge, and press on the same places, the sum;
+// weights (k,) of the contacts, and patch (k,) of each.
 inline double joint_pressure(const StripPressures& strips, const Numbers& weight, const Indices& patch, long i) {
     long own = strips.contact(i);
     double total = strips.scale(i) * strips.half(i), joint = weight(own) * total;
@@ -80,7 +80,8 @@ inline Array<double, 2> patch_rows(const Numbers& weight, const StripPressures& 
         long i = q / m;
         for (int a = 0; a < 3; ++a) store_vector(frames[i].axes[a], points.axes[q][a]);
         store_vector(frames[i].axes[0], points.level[q]);
-        for (int c = 0; c < 2; ++c) points.on_wheel(q, c) = places.wheel(i, c), points.on_rail(q, c) = places.rail(i, c);
+        for (int c = 0; c < 2; ++c)
+            points.on_wheel(q, c) = places.wheel(i, c), points.on_rail(q, c) = places.rail(i, c);
     }
     double speed = 0.0;
     if (std::any_of(cells.traction.begin(), cells.traction.end(), [](double t) { return t != 0.0; }))
@@ -103,8 +104,7 @@ inline Array<double, 2> patch_rows(const Numbers& weight, const StripPressures& 
 }
 
 // Rows of all patches of wheel i by decreasing load, as `patch_rows`.
-inline Array<double, 2> wheel_patches(const Parameters& p, const WheelPairs& pairs, const WheelForces& forces,
-                                      long i) {
+inline Array<double, 2> wheel_patches(const Parameters& p, const WheelPairs& pairs, const WheelForces& forces, long i) {
     auto own = pairs[i];
     auto zones = penetration_regions(regions_of(forces, i));
     auto strips = virtual_penetration(zones, p.elastic.E_star);

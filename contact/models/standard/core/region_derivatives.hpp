@@ -35,7 +35,8 @@ LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const T& s, 
     auto closest = foot(pair.rail, q, pair.rail.samples(sample));
     auto rail = local(pair.rail, closest.s, closest.piece);
     auto step = lowest_step(line, pair.radius, pose, sine, cosine, rail);
-    T y = line.tangent.z * step.up.y + line.tangent.y * axle.y, z = line.tangent.z * step.up.z + line.tangent.y * axle.z;
+    T y = line.tangent.z * step.up.y + line.tangent.y * axle.y,
+      z = line.tangent.z * step.up.z + line.tangent.y * axle.z;
     T slope = y * rail.tangent.z - z * rail.tangent.y + step.step * (y * rail.bend.z - z * rail.bend.y);
     return {-step.height, slope, x + pair.radius * step.turn, line};
 }
@@ -59,12 +60,18 @@ class VariedRegions {
   public:
     VariedRegions(const WheelRail& pair, const Pose<double>& pose, const Numbers& lines, double merge,
                   const WheelRegions& found)
-        : pair(pair), at_pose(pose), pose(varied<ByPose>(pose)), line_pose(varied<OnLine>(pose)), lines(lines),
-          merge(merge), found(found), count(found.top.size()), tops(extrema_of(found.top)),
+        : pair(pair),
+          at_pose(pose),
+          pose(varied<ByPose>(pose)),
+          line_pose(varied<OnLine>(pose)),
+          lines(lines),
+          merge(merge),
+          found(found),
+          count(found.top.size()),
+          tops(extrema_of(found.top)),
           lows(extrema_of(found.low)) {
         for (long k = 0; k < count; ++k) top[k] = stationary(tops[k]);
-        for (long k = 0; k < count - 1; ++k)
-            low[k] = lows[k].depth > 0.0 ? stationary(lows[k]) : constant(lows[k]);
+        for (long k = 0; k < count - 1; ++k) low[k] = lows[k].depth > 0.0 ? stationary(lows[k]) : constant(lows[k]);
     }
 
     Regions<ByPose> regions() {

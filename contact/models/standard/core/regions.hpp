@@ -9,14 +9,14 @@ namespace wr {
 // Contacts (k,) and strips (n,) across them, contact by contact.
 template <class T>
 struct Regions {
-    Array<T, 1> peak, peak_x;    // (k,) m, position of the maximum on the upper body's profile, and along rolling
-    Array<T, 1> depth;           // (k,) m, penetration
-    Array<T, 1> weight;          // (k,), weight of the contact, 0 to 1
-    Array<long, 1> contact;      // (n,), contact of each strip
-    Array<T, 1> s, x;            // (n,) m, position on the upper body
-    Array<T, 1> width;           // (n,) m
-    Array<T, 1> penetration;     // (n,) m, of the virtual bodies
-    Array<T, 1> radius;          // (n,) m, along x
+    Array<T, 1> peak, peak_x;  // (k,) m, position of the maximum on the upper body's profile, and along rolling
+    Array<T, 1> depth;         // (k,) m, penetration
+    Array<T, 1> weight;        // (k,), weight of the contact, 0 to 1
+    Array<long, 1> contact;    // (n,), contact of each strip
+    Array<T, 1> s, x;          // (n,) m, position on the upper body
+    Array<T, 1> width;         // (n,) m
+    Array<T, 1> penetration;   // (n,) m, of the virtual bodies
+    Array<T, 1> radius;        // (n,) m, along x
 
     auto fields() { return std::tie(peak, peak_x, depth, weight, contact, s, x, width, penetration, radius); }
     bool fits() const {

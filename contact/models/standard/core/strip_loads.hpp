@@ -61,13 +61,12 @@ StripLoads<T> strip_loads(const Pressures<G>& strips, const Array<G, 1>& weight,
         bool rolls = own.method != NO_FRICTION && value(patch.speed) > 0.0;
         std::array<double, 2> creep_force{};
         if constexpr (std::is_same_v<T, double>)
-            if (rolls && own.method == POLACH)
-                creep_force = polach_force(patch, own.elastic.G, own.mu, own.reduction);
+            if (rolls && own.method == POLACH) creep_force = polach_force(patch, own.elastic.G, own.mu, own.reduction);
         if (rolls && own.method == FASTSIM) {
             for (long i = start; i < stop; ++i) {
                 G bound = own.mu * PARABOLA * strips.scale(i) * strips.half(i) * top;
-                increments[i] = strip_increments(patch.flexibility, patch.creepages, creepage[i],
-                                                 as<T>(strips.half(i)), as<T>(bound));
+                increments[i] = strip_increments(patch.flexibility, patch.creepages, creepage[i], as<T>(strips.half(i)),
+                                                 as<T>(bound));
             }
             strip_resultants<T>(std::span(increments).subspan(start, stop - start), bounds,
                                 std::span(resultants).subspan(start, stop - start));

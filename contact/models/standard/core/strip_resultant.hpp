@@ -35,8 +35,8 @@ struct Resultants {
 // Increments of a strip from flexibilities m/Pa, mean creepages of the patch, those in the middle of the strip, its
 // half length m, and the largest bound of its traction Pa.
 template <class T>
-Increments<T> strip_increments(const ElasticFoundation<T>& flexible, const Creepages<T>& creep,
-                               const Creepages<T>& own, const T& half, const T& bound) {
+Increments<T> strip_increments(const ElasticFoundation<T>& flexible, const Creepages<T>& creep, const Creepages<T>& own,
+                               const T& half, const T& bound) {
     T size = half / bound;
     return {size * own.longitudinal / flexible.spin, size * own.lateral / flexible.spin,
             size * half * own.spin / flexible.spin,

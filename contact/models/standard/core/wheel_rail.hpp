@@ -7,15 +7,15 @@ namespace wr {
 
 // What is the same for all wheels of a pair of profiles.
 struct Parameters {
-    Shape wheel, rail;                    // profiles
-    double radius = 0.0;                  // of the wheel, m
-    Lines lines;                          // on which the penetration is sampled
-    double merge = 0.0;                   // m, maxima closer than that are one contact
-    PairElasticity elastic;               // constants of both bodies
-    long method = NO_FRICTION;            // of the tangential problem
-    double mu = 0.0;                      // friction coefficient
-    std::array<double, 2> reduction{}; // factors of Polach's formula
-    long cells = 0;                       // along each strip
+    Shape wheel, rail;                  // profiles
+    double radius = 0.0;                // of the wheel, m
+    Lines lines;                        // on which the penetration is sampled
+    double merge = 0.0;                 // m, maxima closer than that are one contact
+    PairElasticity elastic;             // constants of both bodies
+    long method = NO_FRICTION;          // of the tangential problem
+    double mu = 0.0;                    // friction coefficient
+    std::array<double, 2> reduction{};  // factors of Polach's formula
+    long cells = 0;                     // along each strip
 
     auto fields() { return std::tie(wheel, rail, radius, lines, merge, elastic, method, mu, reduction, cells); }
     bool fits() const { return lines.of(rail) && cells > 0; }
@@ -39,8 +39,8 @@ struct WheelForces {
 
     auto fields() { return std::tie(wrench, values, starts, top, low, edges, contacts, contact, strips); }
     bool fits() const {
-        long w = wrench.size(), sizes[] = {top.size(), low.size(), edges.size(), contacts.size(), contact.size(),
-                                           strips.size()};
+        long w = wrench.size(),
+             sizes[] = {top.size(), low.size(), edges.size(), contacts.size(), contact.size(), strips.size()};
         if (wrench.shape[1] != 6 || values.shape != std::array<long, 2>{w, 8} ||
             starts.shape != std::array<long, 2>{w + 1, 6} || top.shape[1] != 3 || low.shape[1] != 3 ||
             contacts.shape[1] != 4 || strips.shape[1] != 5)
@@ -69,7 +69,8 @@ Frame<T> surface_frame(const WheelRail& pair, const Pose<T>& pose, const T& s, c
 
 // Frames on the wheel's surface in the middles of strips, and at the maxima of the penetration.
 template <class T, class Zones>
-PatchFrames<T> strip_frames(const WheelRail& pair, const Pose<T>& pose, const Zones& zones, const Pressures<T>& strips) {
+PatchFrames<T> strip_frames(const WheelRail& pair, const Pose<T>& pose, const Zones& zones,
+                            const Pressures<T>& strips) {
     PatchFrames<T> frames;
     for (long i = 0; i < strips.s.size(); ++i)
         frames.middles.push_back(surface_frame(pair, pose, T(strips.s(i)), T(strips.x(i))));
@@ -88,7 +89,7 @@ inline WheelRegions store_force(const Parameters& p, const LeftPair<double>& own
     auto zones = penetration_regions(found);
     auto strips = virtual_penetration(zones, p.elastic.E_star);
     auto sum = strip_loads<double>(strips, zones.weight, strip_frames(p.pair(), own.pose, zones, strips), own.motion,
-                           p.friction());
+                                   p.friction());
     auto moment = sum.moment - cross(own.centre, sum.force);
     wrench(0) = sum.force.x, wrench(1) = sum.force.y, wrench(2) = sum.force.z;
     wrench(3) = moment.x, wrench(4) = moment.y, wrench(5) = moment.z;

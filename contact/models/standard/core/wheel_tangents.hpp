@@ -57,8 +57,7 @@ inline void store_tangent(const Parameters& p, const LeftPair<double>& own, cons
     auto strips = virtual_penetration(zones, p.elastic.E_star);
     auto frames = strip_frames(p.pair(), varied<ByPose>(own.pose), zones, strips);
     auto sum = strip_loads<ByMotion>(strips, zones.weight, frames, varied(own.motion, own.pose), p.friction());
-    const ByMotion* rows[] = {&sum.force.x,  &sum.force.y,  &sum.force.z,
-                              &sum.moment.x, &sum.moment.y, &sum.moment.z};
+    const ByMotion* rows[] = {&sum.force.x, &sum.force.y, &sum.force.z, &sum.moment.x, &sum.moment.y, &sum.moment.z};
     for (int r = 0; r < 6; ++r) std::copy(rows[r]->d, rows[r]->d + CHANGES, tangent[r].begin());
 }
 
