@@ -16,7 +16,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
 DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
 
-.PHONY: run core test lint sanitize suite notebooks docs test-debian test-kernels clean
+.PHONY: run core builds sanitized test lint sanitize suite notebooks docs test-debian test-kernels clean
 
 run: core
 	$(PY) -m wheelrail.cli run $(SCENE) --out results/$(basename $(notdir $(SCENE)))
@@ -25,12 +25,21 @@ run: core
 core: bindings/build.ninja
 	$(TOOLS) cmake --build bindings
 
+# Builds for other processors, too, and one with sanitizers: tests compare them.
+builds: bindings/build.ninja
+	$(TOOLS) cmake -DALL_BUILDS=ON bindings
+	$(TOOLS) cmake --build bindings
+
+sanitized: $(VENV)/ready-to-test
+	$(TOOLS) cmake -S bindings -B build/sanitized -G Ninja -DSANITIZE=ON -DPython_EXECUTABLE=$(abspath $(PY))
+	$(TOOLS) cmake --build build/sanitized
+
 bindings/build.ninja: | $(VENV)/ready
 	$(TOOLS) cmake -S bindings -B bindings -G Ninja -DPython_EXECUTABLE=$(abspath $(PY))
 
 test: $(VENV)/ready-to-test
-	$(MAKE) core
-	$(MAKE) lint
+	$(MAKE) builds
+	$(MAKE) -j2 lint sanitized
 	$(MAKE) suite
 
 # Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.
@@ -45,7 +54,7 @@ lint: $(VENV)/ready-to-test
 
 # Kernels with checked indices, addresses and arithmetic, in a build of their own.
 sanitize: $(VENV)/ready-to-test
-	@$(MAKE) core
+	@$(MAKE) core sanitized
 	$(PY) -m pytest tests/bindings/test_sanitized.py
 
 suite: $(VENV)/ready-to-test

@@ -182,7 +182,7 @@ def store_libraries(cache_folder: Path) -> None:
 
     Raises OSError, CompilerFailed.
     """
-    sources = [("friction", law, friction_source(law)) for law in FRICTION_LAWS]
+    sources: list[tuple[str, object, str]] = [("friction", law, friction_source(law)) for law in FRICTION_LAWS]
     sources += [("normal", law, pressure_source(law)) for law in NORMAL_LAWS]
     for kind, law, text in sources:
         c_library.write(_name_of(kind, law, WITHOUT_UFL), text, cache_folder)

@@ -14,12 +14,12 @@ from wheelrail import bindings
 
 ROOT = Path(__file__).parents[2]
 BUILD = ROOT / "build" / "sanitized"
-STATES = ROOT / "tests" / "helpers" / "random_states.py"
+STATES, CONTACTS = (ROOT / "tests" / "helpers" / name for name in ("random_states.py", "contact_poses.py"))
 
 
 def output(*command: str | Path, **settings: str) -> str:
     done = subprocess.run(
-        list(map(str, command)), env=os.environ | settings, check=False, capture_output=True, text=True, timeout=300
+        list(map(str, command)), env=os.environ | settings, check=False, capture_output=True, text=True, timeout=580
     )
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-5000:]
     return done.stdout
@@ -27,7 +27,7 @@ def output(*command: str | Path, **settings: str) -> str:
 
 @pytest.fixture(scope="module")
 def sanitized() -> dict[str, str]:
-    """Environment of a process with the sanitized build, which is kept; it takes 25 s when it is made first."""
+    """Environment of a process with the sanitized build, which is kept; `make sanitized` takes minutes when it is made first."""
     tools = str(Path(sys.executable).parent)
     if (cmake := shutil.which("cmake", path=tools)) is None:
         pytest.skip("cmake is not in the environment of Python")
@@ -60,3 +60,9 @@ def test_random_states_have_the_same_bits(sanitized: dict[str, str]) -> None:
 def test_wild_states_stay_within_arrays(sanitized: dict[str, str]) -> None:
     """Infinite and undefined ones, too, by every function of the core."""
     assert int(output(sys.executable, STATES, "everything", **sanitized)) == 5 * 9 * 4
+
+
+def test_contacts_have_the_same_bits_and_stay_within_arrays(sanitized: dict[str, str]) -> None:
+    here = {"PYTHONPATH": str(ROOT), "WHEELRAIL_CORE": str(bindings.build())}
+    command = sys.executable, CONTACTS, "10"
+    assert output(*command, **sanitized) == output(*command, **here)

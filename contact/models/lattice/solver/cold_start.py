@@ -44,7 +44,8 @@ def cold_start(
         cut = pressure[:, [0, -1]] > 0
         if not cut.any():
             break
-        ends = np.clip(ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0], *problem.lines.window)
+        low, high = problem.lines.window
+        ends = np.clip(ends + np.where(cut, 0.5 * np.diff(ends), 0.0) * [-1.0, 1.0], low, high)
     if state is None:
         raise NotConverged("the cells of the first strips carry no pressure")
     return state
