@@ -138,7 +138,9 @@ class QuadricBodies:
         def influence(material: Material) -> ElementInfluence:
             body, grid = self._waveguide(how, material)
             lines = grid.position[0, :, 1:]
-            return ElementInfluence.of_waveguide(body, lines, lines[:, 0], material, how.degree, unit=how.surface_size)
+            return ElementInfluence.of_waveguide(
+                body, lines, lines[:, 0].copy(), material, how.degree, unit=how.surface_size
+            )
 
         return StripOperators(self._surfaces, *self._equal_or_not(influence))
 

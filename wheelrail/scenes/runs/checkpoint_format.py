@@ -21,7 +21,7 @@ from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.row import Row, is_array
 
 LENGTH, CHECKSUM_SIZE = struct.Struct(">Q"), hashlib.sha256().digest_size
-PACKAGES = ("wheelrail.contact", "wheelrail.vehicle")  # of the classes in a checkpoint
+PACKAGES = ("wheelrail.bindings", "wheelrail.contact", "wheelrail.vehicle")  # of the classes in a checkpoint
 
 
 class Unreadable(OSError):
