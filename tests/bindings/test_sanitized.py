@@ -27,7 +27,7 @@ def output(*command: str | Path, **settings: str) -> str:
 
 @pytest.fixture(scope="module")
 def sanitized() -> dict[str, str]:
-    """Environment of a process with the sanitized build, which is kept; `make sanitized` takes minutes when it is made first."""
+    """Environment of a process with the sanitized build, which is kept; making it takes minutes."""
     tools = str(Path(sys.executable).parent)
     if (cmake := shutil.which("cmake", path=tools)) is None:
         pytest.skip("cmake is not in the environment of Python")
