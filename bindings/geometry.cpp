@@ -1,11 +1,10 @@
-// Python's face of curves, surfaces and rigid motions.
+// Python's face of surfaces and searches for contacts.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
 #include "contact/geometry/core/interpenetration.hpp"
 #include "contact/geometry/core/surface.hpp"
-#include "contact/kinematics/core/left_pair.hpp"
 #include "structures.hpp"
 
 using namespace wr;
@@ -33,60 +32,6 @@ Array<double, 1> copied(const std::array<double, HALF>& values) {
 
 // Places s, x (n,) m across and along.
 void require_places(const Numbers& s, const Numbers& x) { require(s.size() == x.size(), "x: must be as long as s"); }
-
-void bind_curves(nb::module_& m) {
-    m.attr("SAMPLE_SPACING") = SPACING;
-    structure<Shape>(m, "Shape", {"breaks", "middles", "table", "samples", "sampled", "hollow"},
-                     "A curve of m pieces: breaks (m + 1,) and middles (m,) m in arc length, table (m, 3, 8) of "
-                     "coefficients of y + iz and its first two derivatives, samples (n,) m and points y + iz sampled "
-                     "(n,) m there, and whether it is hollow: has several closest points nearby.");
-    m.def(
-        "closest",
-        [](const Shape& shape, const Complex& q, const Numbers& guess) {
-            require(guess.size() == 0 || guess.size() == q.size(), "guess: must have a number for every point");
-            return closest(shape, q, guess);
-        },
-        "shape"_a, "q"_a, "guess"_a, Unlocked(),
-        "Arc lengths m, distances m (positive outwards) and whether inside (n,) of the closest points to points q (n,) "
-        "m as y + iz, from arc lengths guess (n,) m, or (0,) for the nearest samples.");
-}
-
-void bind_kinematics(nb::module_& m) {
-    structure<VelocityField>(m, "VelocityField", {"velocity", "rotation", "reference"},
-                             "Velocity field v + w x (X - reference) of a body: (3,) m/s, rad/s and m.");
-    structure<RigidVelocities>(m, "RigidVelocities",
-                               {"wheel", "wheel_turn", "wheel_at", "rail", "rail_turn", "rail_at"},
-                               "Rigid motion of wheel and rail: velocity m/s, angular velocity rad/s and reference "
-                               "point m, (3,) each.");
-    structure<WheelPairs>(
-        m, "WheelPairs", {"origin", "rotation", "motion", "centre"},
-        "Poses and motions of w wheels, each as that of a left-hand pair in the frame of its rail: "
-        "origin (w, 3) m and rotation (w, 3, 3) of the wheels' frames; motion (w, 6, 3), in the order "
-        "of `RigidVelocities`; centre (w, 3) m, reference points of moments.");
-    m.def(
-        "left_pairs",
-        [](const Rows& states, const Dimensions& dimensions, bool mirror) {
-            require(states.shape[1] == STATE, "states: must be (w, 17)");
-            return left_pairs(states, dimensions, mirror);
-        },
-        "states"_a, "dimensions"_a, "mirror"_a, Unlocked(),
-        "Pairs of one side of w wheelsets as left-hand ones, with moments about the wheelsets' centres: states (w, "
-        "17), "
-        "values of `WheelsetState`; dimensions m of a `Mounting`; mirror: whether the side is the right one.");
-    m.def(
-        "by_states",
-        [](const Blocks& tangents, const Rows& wrenches, const Rows& states, double wheel_y, bool mirror) {
-            long w = states.size();
-            require(states.shape[1] == STATE && tangents.shape == std::array<long, 3>{w, 6, 12} &&
-                        wrenches.shape == std::array<long, 2>{w, 6},
-                    "tangents, wrenches, states: must be (w, 6, 12), (w, 6), (w, 17)");
-            return by_states(tangents, wrenches, states, wheel_y, mirror);
-        },
-        "tangents"_a, "wrenches"_a, "states"_a, "wheel_y"_a, "mirror"_a, Unlocked(),
-        "Derivatives (w, 6, 9) of forces and moments by coordinates of the wheelsets: tangents (w, 6, 12) about the "
-        "wheelsets' centres, of the left-hand pairs; wrenches (w, 6) N and N m of the wheels themselves; states (w, "
-        "17); wheel_y m; mirror: whether the wheels are the right ones.");
-}
 
 void bind_surfaces(nb::module_& m) {
     structure<SurfaceData>(m, "SurfaceData", {"revolves", "wheel", "rail", "radius", "upper", "lower"},
@@ -343,8 +288,6 @@ void bind_searches(nb::module_& m) {
 }  // namespace
 
 void bind_geometry(nb::module_& m) {
-    bind_curves(m);
-    bind_kinematics(m);
     bind_surfaces(m);
     bind_searches(m);
 }

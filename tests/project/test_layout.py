@@ -18,7 +18,7 @@ SCIENCE = ("contact", "forms", "meshes", "vehicle")
 # Packages that a package may import besides its own; a name stands for the package and its subpackages alike.
 MAY_IMPORT: dict[str, set[str]] = {
     "bindings": set(),
-    "support": set(),
+    "support": {"bindings"},  # options of the C compiler are those of the build
     "forms": {"support"},
     "meshes": {"meshes.bodies", "meshes.curves", "meshes.profiles"},
     "meshes.curves": {"support"},

@@ -1,0 +1,37 @@
+// Python's face of curves.
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+#include "meshes/curves/core/curve.hpp"
+#include "structures.hpp"
+
+using namespace wr;
+using namespace nanobind::literals;
+
+namespace {
+
+using Unlocked = nb::call_guard<nb::gil_scoped_release>;
+using Complex = View<const std::complex<double>, 1>;
+
+void require(bool fits, const char* text) {
+    if (!fits) throw nb::value_error(text);
+}
+
+}  // namespace
+
+void bind_curves(nb::module_& m) {
+    m.attr("SAMPLE_SPACING") = SPACING;
+    structure<Shape>(m, "Shape", {"breaks", "middles", "table", "samples", "sampled", "hollow"},
+                     "A curve of m pieces: breaks (m + 1,) and middles (m,) m in arc length, table (m, 3, 8) of "
+                     "coefficients of y + iz and its first two derivatives, samples (n,) m and points y + iz sampled "
+                     "(n,) m there, and whether it is hollow: has several closest points nearby.");
+    m.def(
+        "closest",
+        [](const Shape& shape, const Complex& q, const Numbers& guess) {
+            require(guess.size() == 0 || guess.size() == q.size(), "guess: must have a number for every point");
+            return closest(shape, q, guess);
+        },
+        "shape"_a, "q"_a, "guess"_a, Unlocked(),
+        "Arc lengths m, distances m (positive outwards) and whether inside (n,) of the closest points to points q (n,) "
+        "m as y + iz, from arc lengths guess (n,) m, or (0,) for the nearest samples.");
+}

@@ -1,0 +1,57 @@
+// Python's face of rigid motions of wheels and rails.
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/tuple.h>
+
+#include "contact/kinematics/core/left_pair.hpp"
+#include "structures.hpp"
+
+using namespace wr;
+using namespace nanobind::literals;
+
+namespace {
+
+using Unlocked = nb::call_guard<nb::gil_scoped_release>;
+
+void require(bool fits, const char* text) {
+    if (!fits) throw nb::value_error(text);
+}
+
+}  // namespace
+
+void bind_kinematics(nb::module_& m) {
+    structure<VelocityField>(m, "VelocityField", {"velocity", "rotation", "reference"},
+                             "Velocity field v + w x (X - reference) of a body: (3,) m/s, rad/s and m.");
+    structure<RigidVelocities>(m, "RigidVelocities",
+                               {"wheel", "wheel_turn", "wheel_at", "rail", "rail_turn", "rail_at"},
+                               "Rigid motion of wheel and rail: velocity m/s, angular velocity rad/s and reference "
+                               "point m, (3,) each.");
+    structure<WheelPairs>(
+        m, "WheelPairs", {"origin", "rotation", "motion", "centre"},
+        "Poses and motions of w wheels, each as that of a left-hand pair in the frame of its rail: "
+        "origin (w, 3) m and rotation (w, 3, 3) of the wheels' frames; motion (w, 6, 3), in the order "
+        "of `RigidVelocities`; centre (w, 3) m, reference points of moments.");
+    m.def(
+        "left_pairs",
+        [](const Rows& states, const Dimensions& dimensions, bool mirror) {
+            require(states.shape[1] == STATE, "states: must be (w, 17)");
+            return left_pairs(states, dimensions, mirror);
+        },
+        "states"_a, "dimensions"_a, "mirror"_a, Unlocked(),
+        "Pairs of one side of w wheelsets as left-hand ones, with moments about the wheelsets' centres: states (w, "
+        "17), "
+        "values of `WheelsetState`; dimensions m of a `Mounting`; mirror: whether the side is the right one.");
+    m.def(
+        "by_states",
+        [](const Blocks& tangents, const Rows& wrenches, const Rows& states, double wheel_y, bool mirror) {
+            long w = states.size();
+            require(states.shape[1] == STATE && tangents.shape == std::array<long, 3>{w, 6, 12} &&
+                        wrenches.shape == std::array<long, 2>{w, 6},
+                    "tangents, wrenches, states: must be (w, 6, 12), (w, 6), (w, 17)");
+            return by_states(tangents, wrenches, states, wheel_y, mirror);
+        },
+        "tangents"_a, "wrenches"_a, "states"_a, "wheel_y"_a, "mirror"_a, Unlocked(),
+        "Derivatives (w, 6, 9) of forces and moments by coordinates of the wheelsets: tangents (w, 6, 12) about the "
+        "wheelsets' centres, of the left-hand pairs; wrenches (w, 6) N and N m of the wheels themselves; states (w, "
+        "17); wheel_y m; mirror: whether the wheels are the right ones.");
+}
