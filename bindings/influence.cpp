@@ -28,15 +28,6 @@ void require_strips(const StripGrid& grid, const StripBasis& basis) {
     require(grid.x.shape[1] == basis.M() + 3, "grid: does not fit to the basis");
 }
 
-void require_lines(const Numbers& arc) { require(arc.size() > 1, "arc: must have two lines"); }
-
-void require_samples(const LatticeStrips& strips, const Deviation& upper, const Deviation& lower,
-                     const Coefficients& values) {
-    for (const auto* body : {&upper, &lower})
-        require(body->none() || body->share.size() == strips.size(), "share: must be of all strips");
-    require(values.shape[1] == DEGREE + 1 && values.shape[2] == COMPONENTS, "values: must be (cells, 6, 8)");
-}
-
 void bind_structures(nb::module_& m) {
     structure<StripBasis>(m, "StripBasis",
                           {"marks", "row_marks", "mean", "ends", "loads", "load_edges", "moments", "moment_edges",

@@ -24,10 +24,6 @@ void require(bool fits, const char* text) {
 template <int N>
 using Shape_ = std::array<long, N>;
 
-void require_strips(const StripGrid& grid, const StripBasis& basis) {
-    require(grid.x.shape[1] == basis.M() + 3, "grid: does not fit to the basis");
-}
-
 void require_lines(const Numbers& arc) { require(arc.size() > 1, "arc: must have two lines"); }
 
 void require_samples(const LatticeStrips& strips, const Deviation& upper, const Deviation& lower,

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array
 
@@ -32,7 +33,7 @@ class Pose:
     rotation: Array
 
     @property
-    def arrays(self) -> tuple[Array, Array]:
+    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Origin and rotation for the core, which takes contiguous numbers."""
         return np.ascontiguousarray(self.origin, dtype=float), np.ascontiguousarray(self.rotation, dtype=float)
 
