@@ -8,7 +8,8 @@ RELEASE ?= trixie
 JOBS ?= 2
 PY = $(VENV)/bin/python
 CORE = $(wildcard bindings/*.[ch]pp) $(shell find contact meshes vehicle wheelrail/support -name '*.hpp')
-TOOLS = PATH=$(abspath $(VENV))/bin:$$PATH
+# Ninja counts its jobs by itself.
+TOOLS = MAKEFLAGS= PATH=$(abspath $(VENV))/bin:$$PATH
 # One thread per process: the dense blocks are small, and threads that wait cost more than they bring.
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1

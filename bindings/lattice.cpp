@@ -234,6 +234,7 @@ void bind_width(nb::module_& m) {
             require(width.size() == middle.size() && width.size() > 0, "middle, width: must be (K,)");
             require(bounds.shape == std::array{continues.size(), 2L}, "bounds, continues: must be (P, 2) and (P,)");
             std::vector<Piece> pieces;
+            pieces.reserve(bounds.size());
             for (long p = 0; p < bounds.size(); ++p) pieces.push_back({bounds(p, 0), bounds(p, 1), continues(p)});
             return penetrated_width(lifted(surface, origin, rotation, lift), middle, width, pieces, slopes);
         },

@@ -48,7 +48,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def _built(tree: Path, source: Path, folder: str, *options: str) -> Path:
     command = [sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", folder, source]
     command += [f"--config-settings={option}" for option in options]
-    subprocess.run(command, cwd=tree, check=True, timeout=120, capture_output=True)
+    subprocess.run(command, cwd=tree, check=True, timeout=580, capture_output=True)
     (built,) = (tree / folder).glob("*.whl")
     return built
 
@@ -77,9 +77,9 @@ def test_wheel_contains_all_code_and_data(wheel: Path) -> None:
 def test_source_distribution_builds_the_same_wheel(tree: Path, wheel: Path) -> None:
     """But for the compiled core, whose sources it carries."""
     build = "from scikit_build_core.build import build_sdist; build_sdist('sdist')"
-    subprocess.run([sys.executable, "-c", build], cwd=tree, check=True, timeout=120, capture_output=True)
+    subprocess.run([sys.executable, "-c", build], cwd=tree, check=True, timeout=580, capture_output=True)
     (archive,) = (tree / "sdist").glob("*.tar.gz")
-    core = {name for name in _contents(wheel) if name.endswith((".so", "_vehicle.pyi"))}
+    core = {name for name in _contents(wheel) if name.endswith((".so", ".pyi"))}
     assert _contents(_built(tree, archive, "from-sdist", "wheel.cmake=false")) == _contents(wheel) - core
     with tarfile.open(archive) as opened:
         carried = {name.partition("/")[2] for name in opened.getnames()}
@@ -96,7 +96,7 @@ def test_wheel_works_in_a_clean_environment(wheel: Path, tmp_path: Path) -> None
     # The plain path brings the libraries along, but not the editable install of this project: its hook is a .pth file.
     (inside / "libraries.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
     install = [sys.executable, "-m", "pip", "--python", python, "install", "-q", "--no-deps", "--ignore-installed"]
-    subprocess.run([*install, wheel], check=True, timeout=120)
+    subprocess.run([*install, wheel], check=True, timeout=580)
     work = tmp_path / "work"
     work.mkdir()
     where = "import wheelrail.contact.models, wheelrail as w; print(w.__file__, w.contact.models.__file__)"
@@ -114,7 +114,7 @@ def test_wheel_works_in_a_clean_environment(wheel: Path, tmp_path: Path) -> None
 def _output(command: Iterable[Any], folder: Path) -> str:
     there = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     return subprocess.run(
-        list(map(str, command)), cwd=folder, env=there, check=True, timeout=120, capture_output=True, text=True
+        list(map(str, command)), cwd=folder, env=there, check=True, timeout=580, capture_output=True, text=True
     ).stdout
 
 

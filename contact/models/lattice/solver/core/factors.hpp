@@ -50,6 +50,7 @@ struct Lapack {
     bool factorise(View<float, 2> matrix, View<int, 1> pivots) const {
         using Function = void(int* rows, int* columns, float* matrix, int* apart, int* pivots, int* flag);
         int n = int(matrix.size()), flag = 0;
+        // NOLINTNEXTLINE(performance-no-int-to-ptr): of LAPACK there are addresses
         reinterpret_cast<Function*>(sgetrf)(&n, &n, matrix.data, &n, pivots.data, &flag);
         return flag == 0;
     }
@@ -58,6 +59,7 @@ struct Lapack {
         using Function = void(const char* kind, int* n, int* sides, const float* factors, int* apart, const int* pivots,
                               float* right, int* right_apart, int* flag);
         int n = int(factors.size()), sides = int(right.size()), flag = 0;
+        // NOLINTNEXTLINE(performance-no-int-to-ptr): of LAPACK there are addresses
         reinterpret_cast<Function*>(sgetrs)(transposed ? "T" : "N", &n, &sides, factors.data, &n, pivots.data,
                                             right.data, &n, &flag);
     }
@@ -67,6 +69,7 @@ struct Lapack {
                               int* right_apart, int* flag);
         int n = int(matrix.size()), sides = int(right.size()), flag = 0;
         Array<int, 1> pivots(n);
+        // NOLINTNEXTLINE(performance-no-int-to-ptr): of LAPACK there are addresses
         reinterpret_cast<Function*>(dgesv)(&n, &sides, matrix.data, &n, pivots.data, right.data, &n, &flag);
         if (flag) throw std::runtime_error("the Jacobian of the contact is singular");
     }

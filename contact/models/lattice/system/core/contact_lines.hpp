@@ -73,6 +73,7 @@ inline std::vector<long> strips_in_sight(const SurfaceData& surface, const Pose<
                                          double margin, long apart) {
     long K = middle.size();
     std::vector<long> probes;
+    probes.reserve((K + apart - 2) / apart + 1);
     for (long k = 0; k < (K + apart - 2) / apart + 1; ++k) probes.push_back(std::min(k * apart, K - 1));
     auto depth = std::get<0>(crests(surface, pose, taken(middle, probes))).depth;
     Array<bool, 1> own(K);
@@ -113,7 +114,7 @@ inline ContactLines contact_lines(const SurfaceData& surface, const Motion& moti
     long n = crest.size();
     Array<double, 1> s(2 * n), along(2 * n);
     for (long k = 0; k < 2 * n; ++k) {
-        s(k) = middle(inside[k / 2]) + (2 * (k % 2) - 1) * GAUSS * width(inside[k / 2]);
+        s(k) = middle(inside[k / 2]) + double(2 * (k % 2) - 1) * GAUSS * width(inside[k / 2]);
         along(k) = crest(k / 2);
     }
     auto sides = penetration(surface, pose, s, along).depth;
