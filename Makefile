@@ -71,7 +71,7 @@ notebooks: $(VENV)/ready-for-notebooks
 
 # The same on an old processor: OpenBLAS's first kernels, and the core without later instructions.
 test-kernels: $(VENV)/ready-to-test
-	@$(MAKE) core
+	@$(MAKE) builds
 	OPENBLAS_CORETYPE=Prescott WHEELRAIL_CORE=$(CURDIR)/wheelrail/bindings/baseline $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
 
 docs: $(VENV)/ready-to-test

@@ -10,12 +10,7 @@ using namespace nanobind::literals;
 
 namespace {
 
-using Unlocked = nb::call_guard<nb::gil_scoped_release>;
 using Complex = View<const std::complex<double>, 1>;
-
-void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
 
 }  // namespace
 

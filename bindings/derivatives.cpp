@@ -17,7 +17,6 @@ void require(bool fits) {
 }  // namespace
 
 void bind_derivatives(nb::module_& m) {
-    using Unlocked = nb::call_guard<nb::gil_scoped_release>;
     structure<TangentPlaces>(m, "TangentPlaces", {"lines", "lattice", "arc"},
                              "Where all strips touch, the lattice, and lines (ns,) m of the lower body, none where the "
                              "compliance does not depend on places there.");
@@ -27,13 +26,6 @@ void bind_derivatives(nb::module_& m) {
     structure<ResultantSlopes>(m, "ResultantSlopes", {"total", "slopes"},
                                "Force N and moment N m about the origin (6,) on the upper body, and their derivative "
                                "(6, S block) by the unknowns.");
-    m.def(
-        "resultant_slopes",
-        [](Rows values, const EquationData& data) {
-            require(data.fits(values));
-            return ResultantSlopes(values, data);
-        },
-        "values"_a, "data"_a, Unlocked(), "`ResultantSlopes` of a state with values (S, block).");
     m.def(
         "residual_changes",
         [](Rows values, const EquationData& data, const TangentPlaces& places, Blocks slopes) {

@@ -12,12 +12,7 @@ using namespace nanobind::literals;
 
 namespace {
 
-using Unlocked = nb::call_guard<nb::gil_scoped_release>;
 using Complex = View<const std::complex<double>, 1>;
-
-void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
 
 Pose<double> pose(const Numbers& origin, const Rows& rotation) {
     require(origin.size() == 3 && rotation.shape == std::array<long, 2>{3, 3}, "pose: must be (3,) and (3, 3)");

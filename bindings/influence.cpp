@@ -15,12 +15,6 @@ using namespace nanobind::literals;
 
 namespace {
 
-using Released = nb::call_guard<nb::gil_scoped_release>;
-
-void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
-
 template <int N>
 using Shape_ = std::array<long, N>;
 
@@ -65,7 +59,7 @@ void bind_operators(nb::module_& m) {
                     "jumps: must be (S, M + 1, 3)");
             return antiderivatives(tables, grid, jumps);
         },
-        "tables"_a, "grid"_a, "jumps"_a, Released(),
+        "tables"_a, "grid"_a, "jumps"_a, Unlocked(),
         "Whether all distances lie in the tables, and V (S, M + 3, 3), the antiderivative of the displacement along x, "
         "by jumps (S, M + 1, 3) of traction times width.");
     m.def(
@@ -77,44 +71,10 @@ void bind_operators(nb::module_& m) {
             bool inside = made.fill();
             return std::tuple{inside, made.A, made.V};
         },
-        "tables"_a, "grid"_a, "jumps"_a, "basis"_a, "rolls"_a, Released(),
+        "tables"_a, "grid"_a, "jumps"_a, "basis"_a, "rolls"_a, Unlocked(),
         "Whether all distances lie in the tables, derivative (n, n) of slips and moments by tractions, modes and ends, "
         "and V (S, M + 3, 3). Rows and columns strip by strip: slips along and across by tractions along and across "
         "(if rolling), moments by modes and ends.");
-    m.def(
-        "slips_and_moments",
-        [](const Blocks& V, const StripGrid& grid, const StripBasis& basis) {
-            require_strips(grid, basis);
-            require(V.shape == Shape_<3>{grid.size(), basis.M() + 3, 3}, "V: must be (S, M + 3, 3)");
-            return slips_and_moments(V, grid, basis);
-        },
-        "V"_a, "grid"_a, "basis"_a, Released(),
-        "Elastic slips (S, 2, M) and moments (S, MOMENTS) m of the normal displacement, from V (S, M + 3, 3).");
-    m.def(
-        "add_short_strips",
-        [](const PairTables& tables, const StripGrid& grid, const Rows& values, const StripBasis& basis, bool rolls,
-           const View<double, 3>& V) {
-            require_strips(grid, basis);
-            require(values.shape == Shape_<2>{grid.size(), basis.block(rolls)}, "values: must be (S, block)");
-            require(V.shape == Shape_<3>{grid.size(), basis.M() + 3, 3}, "V: must be (S, M + 3, 3)");
-            return add_short_strips(tables, grid, values, basis, rolls, V);
-        },
-        "tables"_a, "grid"_a, "values"_a, "basis"_a, "rolls"_a, "V"_a, Released(),
-        "Add to the antiderivative V (S, M + 3, 3) on short strips, by the pressure in values (S, block); False where "
-        "distances exceed the tables.");
-    m.def(
-        "add_short_strips_derivative",
-        [](const PairTables& tables, const StripGrid& grid, const Rows& values, const StripBasis& basis, bool rolls,
-           const View<double, 2>& A, const View<double, 3>& V) {
-            long n = grid.size() * basis.block(rolls);
-            require_strips(grid, basis);
-            require(values.shape == Shape_<2>{grid.size(), basis.block(rolls)}, "values: must be (S, block)");
-            require(A.shape == Shape_<2>{n, n}, "A: must be (S block, S block)");
-            require(V.shape == Shape_<3>{grid.size(), basis.M() + 3, 3}, "V: must be (S, M + 3, 3)");
-            return add_short_strips_derivative(tables, grid, values, basis, rolls, A, V);
-        },
-        "tables"_a, "grid"_a, "values"_a, "basis"_a, "rolls"_a, "A"_a, "V"_a, Released(),
-        "As add_short_strips, and add the derivatives of the moments by modes and ends to the operator A (n, n).");
     m.def(
         "look_up",
         [](const PairTables& tables, long i, long j, const Numbers& rows, const Numbers& columns,
@@ -125,7 +85,7 @@ void bind_operators(nb::module_& m) {
             return H ? look_up<true>(tables, i, j, rows, columns, G, *H, turn)
                      : look_up<false>(tables, i, j, rows, columns, G, {}, turn);
         },
-        "tables"_a, "i"_a, "j"_a, "rows"_a, "columns"_a, "G"_a, "H"_a.none(), "turn"_a = 1.0, Released(),
+        "tables"_a, "i"_a, "j"_a, "rows"_a, "columns"_a, "G"_a, "H"_a.none(), "turn"_a = 1.0, Unlocked(),
         "Write G (R, C, 8), and its slope H unless None, at the distances of boundaries rows (R,) m on strip i and "
         "columns (C,) m on j >= i, with turn = -1 at the opposite distances. False where they are farther apart than "
         "the table reaches.");
@@ -139,7 +99,7 @@ void bind_operators(nb::module_& m) {
             return H ? normal_table<true>(tables, displaced, loaded, rows, columns, G, *H)
                      : normal_table<false>(tables, displaced, loaded, rows, columns, G, {});
         },
-        "tables"_a, "displaced"_a, "loaded"_a, "rows"_a, "columns"_a, "G"_a, "H"_a.none(), Released(),
+        "tables"_a, "displaced"_a, "loaded"_a, "rows"_a, "columns"_a, "G"_a, "H"_a.none(), Unlocked(),
         "Write the component NN of look_up, G (R, C), and its slope H unless None, for two strips in any order.");
     m.def(
         "split_shares",
@@ -162,25 +122,10 @@ void bind_operators(nb::module_& m) {
             require_strips(grid, basis);
             return cell_operator(tables, grid, basis, rolls);
         },
-        "tables"_a, "grid"_a, "basis"_a, "rolls"_a, Released(),
+        "tables"_a, "grid"_a, "basis"_a, "rolls"_a, Unlocked(),
         "Whether all distances lie in the tables, and slips along and across and relative normal displacement of all n "
         "cells by unit tractions on them (along, across, and pressure): (3 n, 3 n), or without rolling displacement by "
         "pressure alone (n, n); rows and columns component by component.");
-    m.def(
-        "normal_displacements",
-        [](const PairTables& tables, const Indices& strips, const Numbers& middle, const Rows& edges,
-           const StripGrid& grid, const Rows& values, const Blocks& jumps, const StripBasis& basis, bool rolls) {
-            require_strips(grid, basis);
-            require(edges.size() == strips.size() && middle.size() == strips.size() && edges.shape[1] > 0,
-                    "strips, middle, edges: must be (n,), (n,) and (n, C + 1)");
-            require(values.shape == Shape_<2>{grid.size(), basis.block(rolls)}, "values: must be (S, block)");
-            require(jumps.shape == Shape_<3>{grid.size(), basis.M() + 1, 3}, "jumps: must be (S, M + 1, 3)");
-            return normal_displacements(tables, strips, middle, edges, grid, values, jumps, basis, rolls);
-        },
-        "tables"_a, "strips"_a, "middle"_a, "edges"_a, "grid"_a, "values"_a, "jumps"_a, "basis"_a, "rolls"_a,
-        Released(),
-        "Whether all distances lie in the tables, and relative normal displacement (n, C) m of cells with boundaries "
-        "edges (n, C + 1) m on n unloaded strips with numbers and middles m; the others describe the loaded strips.");
     m.def(
         "body_displacements",
         [](const StripGrid& grid, const Blocks& forces, const Rows& load, const Blocks& displacement,
@@ -191,7 +136,7 @@ void bind_operators(nb::module_& m) {
                     "load, displacement: must be (S, M) and (S, M, 3)");
             return body_displacements(grid, forces, load, displacement, bodies);
         },
-        "grid"_a, "forces"_a, "load"_a, "displacement"_a, "bodies"_a, Released(),
+        "grid"_a, "forces"_a, "load"_a, "displacement"_a, "bodies"_a, Unlocked(),
         "Displacements of both bodies on strips with cells of forces (S, M + 1, 3) N/m, jumps at their boundaries, "
         "load "
         "(S, M) N and relative displacement (S, M, 3) m.");

@@ -9,16 +9,6 @@
 using namespace wr;
 using namespace nanobind::literals;
 
-namespace {
-
-using Unlocked = nb::call_guard<nb::gil_scoped_release>;
-
-void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
-
-}  // namespace
-
 void bind_kinematics(nb::module_& m) {
     structure<VelocityField>(m, "VelocityField", {"velocity", "rotation", "reference"},
                              "Velocity field v + w x (X - reference) of a body: (3,) m/s, rad/s and m.");

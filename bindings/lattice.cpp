@@ -31,25 +31,14 @@ void bind_system(nb::module_& m) {
             require_values(values, data);
             return evaluate(values, data);
         },
-        "values"_a, "data"_a, Released(), "`Evaluation` of a state with values (S, block).");
+        "values"_a, "data"_a, Unlocked(), "`Evaluation` of a state with values (S, block).");
     m.def(
         "linearised",
         [](Rows values, const EquationData& data) {
             require_values(values, data);
             return linearised(values, data);
         },
-        "values"_a, "data"_a, Released(), "`Linearisation` of a state with values (S, block).");
-    m.def(
-        "slopes_of_friction",
-        [](Rows values, const Evaluation& evaluation, const EquationData& data) {
-            require_values(values, data);
-            require(evaluation.slip.shape == std::array{data.strips(), 2L, data.basis.M()},
-                    "evaluation: of another state");
-            return slopes_of_friction(values, evaluation, data);
-        },
-        "values"_a, "evaluation"_a, "data"_a, Released(),
-        "Slopes (S, M, 18) of the friction residual by traction (4), slip (4), speed (2), and the pressure modes (2 "
-        "each); M = 0 without friction.");
+        "values"_a, "data"_a, Unlocked(), "`Linearisation` of a state with values (S, block).");
     m.def(
         "rigid_slip",
         [](Rows values, const EquationData& data) {
@@ -57,7 +46,7 @@ void bind_system(nb::module_& m) {
             RigidSlip at(values, data);
             return std::pair{at.slip, at.slope};
         },
-        "values"_a, "data"_a, Released(),
+        "values"_a, "data"_a, Unlocked(),
         "Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x.");
     m.def(
         "strip_loads",
@@ -65,7 +54,7 @@ void bind_system(nb::module_& m) {
             require(values.shape == std::array{places.middle.size(), basis.block(rolls)}, "values: must be (S, block)");
             return strip_loads(values, places, basis, rolls);
         },
-        "values"_a, "places"_a, "basis"_a, "rolls"_a, Released(),
+        "values"_a, "places"_a, "basis"_a, "rolls"_a, Unlocked(),
         "Loads (S, 2) N of strips: lateral tractions, and pressure.");
     m.def(
         "resultants",
@@ -73,21 +62,21 @@ void bind_system(nb::module_& m) {
             require_values(values, data);
             return resultants(values, data);
         },
-        "values"_a, "data"_a, Released(), "Force N and moment N m about the origin (6,) on the upper body.");
+        "values"_a, "data"_a, Unlocked(), "Force N and moment N m about the origin (6,) on the upper body.");
     m.def(
         "strip_cells",
         [](Rows values, const EquationData& data) {
             require_values(values, data);
             return strip_cells(values, data);
         },
-        "values"_a, "data"_a, Released(), "`StripCells` of a state with values (S, block).");
+        "values"_a, "data"_a, Unlocked(), "`StripCells` of a state with values (S, block).");
     m.def(
         "contact_lines",
         [](const SurfaceData& surface, const Motion& motion, const Lattice& lattice, double margin, long apart) {
             require(lattice.middle.size() > 0 && apart > 0, "lattice, apart: at least one strip");
             return contact_lines(surface, motion, lattice, margin, apart);
         },
-        "surface"_a, "motion"_a, "lattice"_a, "margin"_a, "apart"_a, Released(),
+        "surface"_a, "motion"_a, "lattice"_a, "margin"_a, "apart"_a, Unlocked(),
         "`ContactLines` of the strips of a lattice; margin m: largest gap between strips that matter; apart: strips "
         "between those at which the penetration is estimated first.");
     m.def(
@@ -107,7 +96,7 @@ void bind_system(nb::module_& m) {
             for (long i = 0; i < roots.size(); ++i) roots(i) = pressed(depth(i), compliance(i), onset(i));
             return roots;
         },
-        "depth"_a, "compliance"_a, "onset"_a, Released(),
+        "depth"_a, "compliance"_a, "onset"_a, Unlocked(),
         "Touching parts (S,) of the width, or roots of the load over that on the whole width where this is larger: "
         "penetration depth (S,) m without load, displacement compliance (S,) m under the load on the whole width, and "
         "onset (S,) m.");
@@ -124,7 +113,7 @@ void bind_system(nb::module_& m) {
             require(curvature.size() == K && middle.size() == K && width.size() == K, "curvature to width: as depth");
             return partial_widths(depth, curvature, middle, width);
         },
-        "depth"_a, "curvature"_a, "middle"_a, "width"_a, Released(),
+        "depth"_a, "curvature"_a, "middle"_a, "width"_a, Unlocked(),
         "`PartialWidths` of strips: undeformed penetration depth (K,) m, -inf far from contact; relative curvature "
         "(K,) 1/m along x; middle and width (K,) m.");
     m.def(
@@ -135,7 +124,7 @@ void bind_system(nb::module_& m) {
             require(curvature.size() == three[0] && width.size() == three[0] && change.size() == three[0], "(S,)");
             return partial_width_changes(depth, curvature, middle, width, change);
         },
-        "depth"_a, "curvature"_a, "middle"_a, "width"_a, "change"_a, Released(),
+        "depth"_a, "curvature"_a, "middle"_a, "width"_a, "change"_a, Unlocked(),
         "`PartialWidthChanges` of strips: depth and middle (S, 3) m, of them and the next ones on either side; "
         "curvature (S,) 1/m and width (S,) m; derivatives change (S, 3, n) of the penetration.");
     m.def(
@@ -153,7 +142,7 @@ void bind_system(nb::module_& m) {
             auto at = relative_size(values, step);
             return std::pair{at.largest, at.norm};
         },
-        "values"_a, "step"_a, Released(),
+        "values"_a, "step"_a, Unlocked(),
         "Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length.");
     m.def(
         "inner_product",
@@ -161,7 +150,7 @@ void bind_system(nb::module_& m) {
             require_step(values, first), require_step(values, second);
             return inner_product(values, first, second);
         },
-        "values"_a, "first"_a, "second"_a, Released(), "That of two steps (S, block), of the norm of `relative_size`.");
+        "values"_a, "first"_a, "second"_a, Unlocked(), "That of two steps (S, block), of the norm of `relative_size`.");
     m.def(
         "leaving",
         [](Rows values, Rows step, double size, Numbers whole) {
@@ -169,7 +158,7 @@ void bind_system(nb::module_& m) {
             require(whole.size() == values.size(), "whole: must be (S,)");
             return leaving(values, step, size, whole);
         },
-        "values"_a, "step"_a, "size"_a, "whole"_a, Released(), "Strips (S,) that leave by a step of a relative size.");
+        "values"_a, "step"_a, "size"_a, "whole"_a, Unlocked(), "Strips (S,) that leave by a step of a relative size.");
     m.def(
         "moved",
         [](Rows values, Rows step, double factor, Numbers whole) {
@@ -177,7 +166,7 @@ void bind_system(nb::module_& m) {
             require(whole.size() == values.size(), "whole: must be (S,)");
             return moved(values, step, factor, whole);
         },
-        "values"_a, "step"_a, "factor"_a, "whole"_a, Released(),
+        "values"_a, "step"_a, "factor"_a, "whole"_a, Unlocked(),
         "Values (S, block) after a fraction of a step; whole (S,) Pa m, loads on the whole width.");
 }
 
@@ -194,7 +183,7 @@ void bind_width(nb::module_& m) {
             require(slenderness.size() == depth.size(), "slenderness: must be as long as depth");
             return strips_across(depth, slenderness);
         },
-        "depth"_a, "slenderness"_a, Released(),
+        "depth"_a, "slenderness"_a, Unlocked(),
         "Number of strips across, counted by their slenderness (K,), by their mean penetrations depth (K,) m, for "
         "contacts that are wide.");
     m.def(
@@ -206,7 +195,7 @@ void bind_width(nb::module_& m) {
             require(lattice.middle.size() == K && slenderness.size() == K, "lattice, slenderness: must be (K,)");
             return strips_beside_bulk(values, data, lines, lattice, slenderness, bodies);
         },
-        "values"_a, "data"_a, "lines"_a, "lattice"_a, "slenderness"_a, "bodies"_a, Released(),
+        "values"_a, "data"_a, "lines"_a, "lattice"_a, "slenderness"_a, "bodies"_a, Unlocked(),
         "`strips_across` of the penetration less the displacement of finite bodies by the loads of a state with values "
         "(S, block), after whether their compliance is known there.");
     m.def(
@@ -221,7 +210,7 @@ void bind_width(nb::module_& m) {
                 bounds(p, 0) = found[p].low, bounds(p, 1) = found[p].high, continues(p) = found[p].continues;
             return std::pair{bounds, continues};
         },
-        "surface"_a, "origin"_a, "rotation"_a, "lift"_a, "middle"_a, "width"_a, "depth"_a, Released(),
+        "surface"_a, "origin"_a, "rotation"_a, "lift"_a, "middle"_a, "width"_a, "depth"_a, Unlocked(),
         "Pieces of the undeformed penetration with one maximum each, in order: their bounds (P, 2) m, and whether they "
         "continue the last one across a saddle (P,). Pose of the upper body; lift (2, R) m, places of lines, and by "
         "how "
@@ -239,7 +228,7 @@ void bind_width(nb::module_& m) {
             return penetrated_width(lifted(surface, origin, rotation, lift), middle, width, pieces, slopes);
         },
         "surface"_a, "origin"_a, "rotation"_a, "lift"_a, "middle"_a, "width"_a, "bounds"_a, "continues"_a, "slopes"_a,
-        Released(),
+        Unlocked(),
         "Number of strips across the penetration, and its derivative (6 + R,) by pose and lift if slopes, else zeros: "
         "surface to width as for `maxima`, whose results are bounds (P, 2) m and continues (P,).");
 }

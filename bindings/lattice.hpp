@@ -12,12 +12,6 @@ namespace wr {
 
 using namespace nanobind::literals;
 
-using Released = nb::call_guard<nb::gil_scoped_release>;
-
-inline void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
-
 inline void require_values(Rows values, const EquationData& data) {
     require(data.fits(values), "values: must be (S, block) of the strips of the data");
 }

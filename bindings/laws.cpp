@@ -130,7 +130,6 @@ std::tuple<Array<double, 1>, Array<double, 1>> pressure(const PressureCode& code
 }  // namespace
 
 void bind_laws(nb::module_& m) {
-    using Unlocked = nb::call_guard<nb::gil_scoped_release>;
     nb::class_<FrictionCode>(m, "FrictionCode", "Functions of all friction laws of a class, from a library in C.")
         .def(
             "__init__",

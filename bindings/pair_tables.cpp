@@ -15,12 +15,6 @@ using namespace nanobind::literals;
 
 namespace {
 
-using Released = nb::call_guard<nb::gil_scoped_release>;
-
-void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
-
 template <int N>
 using Shape_ = std::array<long, N>;
 
@@ -53,7 +47,7 @@ void bind_tables(nb::module_& m) {
             require_samples(strips, upper, lower, values);
             pair_coefficients(strips, i, j, bodies, {&upper, &lower}, rule, values);
         },
-        "strips"_a, "i"_a, "j"_a, "bodies"_a, "upper"_a, "lower"_a, "rule"_a, "values"_a, Released(),
+        "strips"_a, "i"_a, "j"_a, "bodies"_a, "upper"_a, "lower"_a, "rule"_a, "values"_a, Unlocked(),
         "Write the coefficients (cells, DEGREE + 1, COMPONENTS) of a pair i <= j of strips.");
     m.def(
         "fill",
@@ -71,7 +65,7 @@ void bind_tables(nb::module_& m) {
                 pair_coefficients(strips, pairs(p, 0), pairs(p, 1), bodies, {&upper, &lower}, rule,
                                   values.part(first(p), first(p + 1)));
         },
-        "strips"_a, "pairs"_a, "bodies"_a, "upper"_a, "lower"_a, "rule"_a, "first"_a, "values"_a, Released(),
+        "strips"_a, "pairs"_a, "bodies"_a, "upper"_a, "lower"_a, "rule"_a, "first"_a, "values"_a, Unlocked(),
         "Write the coefficients of pairs (P, 2) into the tables' values (cells, DEGREE + 1, COMPONENTS) from cells "
         "first "
         "(P + 1,) on.");
@@ -82,7 +76,7 @@ void bind_tables(nb::module_& m) {
                     "values, width: must be (n, DEGREE + 1, m) and (n,)");
             join_cells(values, width, even, rule);
         },
-        "values"_a, "width"_a, "even"_a, "rule"_a, Released(),
+        "values"_a, "width"_a, "even"_a, "rule"_a, Unlocked(),
         "Make polynomials (n, DEGREE + 1, m) of cells with widths (n,) continuously differentiable, in place; even: "
         "number of functions, the first ones, whose slope at the first bound is 0.");
     m.def("pair_geometry", &pair_geometry, "x"_a, "row"_a, "column"_a,
@@ -90,7 +84,7 @@ void bind_tables(nb::module_& m) {
           "y/r^2 at a distance x m, of strips with lateral bounds m, the same, or side by side.");
     m.def("pair_antiderivative", &pair_antiderivative, "geometry"_a, "nu"_a,
           "G (6), whose second derivative is the mean compliance between two strips; unit modulus.");
-    m.def("complete_means", &complete_means, "means"_a, Released(),
+    m.def("complete_means", &complete_means, "means"_a, Unlocked(),
           "Compute the coefficients of all pairs in all cells.");
     m.def(
         "strips_on_lines",
@@ -100,7 +94,7 @@ void bind_tables(nb::module_& m) {
             auto on = strips_on_lines(lattice, chosen, feet);
             return std::tuple{on.place, on.middle, on.width, std::pair{on.low, on.high}};
         },
-        "lattice"_a, "chosen"_a, "feet"_a, Released(),
+        "lattice"_a, "chosen"_a, "feet"_a, Unlocked(),
         "Numbers (K,) of chosen strips among these, their middles on the lower body and widths (C,) m, and the ends m "
         "of "
         "the part that they cover; feet: (K,) m, arc length of all strips' middles on the lower body.");
@@ -110,7 +104,7 @@ void bind_tables(nb::module_& m) {
             require_lines(arc);
             return hats(arc, s);
         },
-        "arc"_a, "s"_a, Released(),
+        "arc"_a, "s"_a, Unlocked(),
         "Values (S, n) at s (S,) m of the functions linear between lines (n,) m, 1 at one and 0 at the others.");
     m.def(
         "strip_shares",
@@ -118,7 +112,7 @@ void bind_tables(nb::module_& m) {
             require_lines(arc), require(middle.size() == width.size(), "middle, width: must be (S,)");
             return strip_shares(arc, middle, width);
         },
-        "arc"_a, "middle"_a, "width"_a, Released(),
+        "arc"_a, "middle"_a, "width"_a, Unlocked(),
         "Weights (S, n) of lines (n,) m in the means over strips of functions linear between the lines.");
     m.def(
         "share_slopes",
@@ -126,7 +120,7 @@ void bind_tables(nb::module_& m) {
             require_lines(arc), require(middle.size() == width.size(), "middle, width: must be (S,)");
             return share_slopes(arc, middle, width);
         },
-        "arc"_a, "middle"_a, "width"_a, Released(), "Derivatives (S, n) 1/m of strip_shares by the middles.");
+        "arc"_a, "middle"_a, "width"_a, Unlocked(), "Derivatives (S, n) 1/m of strip_shares by the middles.");
     m.def(
         "bulk_displacements",
         [](const Numbers& arc, const Blocks& compliance, const Numbers& place, const Numbers& middle,
@@ -137,7 +131,7 @@ void bind_tables(nb::module_& m) {
                     "middle, width, loads: must be (S,), (S,) and (S, 2)");
             return bulk_displacements(arc, compliance, place, middle, width, loads);
         },
-        "arc"_a, "compliance"_a, "place"_a, "middle"_a, "width"_a, "loads"_a, Released(),
+        "arc"_a, "compliance"_a, "place"_a, "middle"_a, "width"_a, "loads"_a, Unlocked(),
         "Displacement (R,) m of a body at some places m, linear between its lines (ns,) m, by loads (S, 2) N on strips "
         "with middles and widths (S,) m; compliance (ns, ns, 2) m/N of pairs of lines.");
     m.def(
@@ -146,7 +140,7 @@ void bind_tables(nb::module_& m) {
             require(width.size() == middle.size() && foot.size() == middle.size(), "middle, width, foot: must be (n,)");
             return bulk_places(body, middle, width, foot);
         },
-        "body"_a, "middle"_a, "width"_a, "foot"_a, Released(),
+        "body"_a, "middle"_a, "width"_a, "foot"_a, Unlocked(),
         "Arc length (n,) m on a body of the middles of strips with widths (n,) m, at most on its last lines; middle, "
         "foot: (n,) m, on the upper and on the lower body.");
 }

@@ -10,10 +10,6 @@ using namespace nanobind::literals;
 
 namespace {
 
-void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
-
 void require_bounds(const Numbers& square, const Numbers& bounds) {
     require(bounds.size() == square.size() + 1, "bounds: must be one more than strips");
 }
@@ -31,7 +27,6 @@ PatchSums on_material(PatchSums sums, const BodyDisplacements& of, Numbers s, Nu
 }  // namespace
 
 void bind_results(nb::module_& m) {
-    using Unlocked = nb::call_guard<nb::gil_scoped_release>;
     m.attr("PATCH_NUMBERS") = PATCH_NUMBERS;
     structure<PatchPoints>(
         m, "PatchPoints",

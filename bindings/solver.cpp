@@ -31,7 +31,7 @@ Array<long, 1> array_of(const std::vector<long>& numbers) {
 }
 
 void bind_factors(nb::module_& m) {
-    m.def("factorised", &factorised, "at"_a, "solver"_a, Released(),
+    m.def("factorised", &factorised, "at"_a, "solver"_a, Unlocked(),
           "Whether a Jacobian is regular, and its `Factors`.");
     m.def(
         "newton_step",
@@ -39,7 +39,7 @@ void bind_factors(nb::module_& m) {
             require(residual.count() == factors.rows.size(), "residual: must be (S, block)");
             return newton_step(factors, solver, residual);
         },
-        "factors"_a, "solver"_a, "residual"_a, Released(),
+        "factors"_a, "solver"_a, "residual"_a, Unlocked(),
         "Step (S, block) that cancels the linearised residual (S, block).");
     m.def(
         "solve_transposed",
@@ -49,7 +49,7 @@ void bind_factors(nb::module_& m) {
                     "jacobian, right: must be (n, n), (k, n)");
             return solve_transposed(factors, solver, jacobian, right);
         },
-        "factors"_a, "solver"_a, "jacobian"_a, "right"_a, Released(),
+        "factors"_a, "solver"_a, "jacobian"_a, "right"_a, Unlocked(),
         "Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the "
         "Jacobian (n, n) of factors that are not corrected.");
     m.def(
@@ -59,7 +59,7 @@ void bind_factors(nb::module_& m) {
                     "slopes: must be (S, M, 18)");
             return renewed(factors, slopes, rho, solver);
         },
-        "factors"_a, "slopes"_a, "rho"_a, "solver"_a, Released(),
+        "factors"_a, "slopes"_a, "rho"_a, "solver"_a, Unlocked(),
         "Factors with the present slopes (S, M, 18) of the friction residual, and before them whether there are any.");
 }
 
@@ -87,7 +87,7 @@ void bind_iteration(nb::module_& m) {
             require(fit(factors, values.size(), data.mode() / 2, values.shape[1]), "factors: of other strips");
             return chords(values, data, factors, solver, tolerance, farthest);
         },
-        "values"_a, "data"_a, "factors"_a, "solver"_a, "tolerance"_a, "farthest"_a, Released(),
+        "values"_a, "data"_a, "factors"_a, "solver"_a, "tolerance"_a, "farthest"_a, Unlocked(),
         "`Steps` from values (S, block) with the factors of an earlier state; tolerance of the last step, relative; "
         "farthest: first step beyond which the state is of no use.");
     m.def(
@@ -97,7 +97,7 @@ void bind_iteration(nb::module_& m) {
             auto at = maximum(means, low, high);
             return std::tuple{at.height, at.place, at.curvature};
         },
-        "means"_a, "low"_a, "high"_a, Released(),
+        "means"_a, "low"_a, "high"_a, Unlocked(),
         "Maximum m, its place m and the curvature 1/m of the parabola with the largest of means (C,) m over cells from "
         "low to high m and the next ones.");
     m.def(
@@ -109,7 +109,7 @@ void bind_iteration(nb::module_& m) {
             require(low.size() == strips.size() && high.size() == strips.size(), "low, high: as long as strips");
             return excess(values, data, lattice, onset, basis, {strips, low, high});
         },
-        "values"_a, "data"_a, "lattice"_a, "onset"_a, "basis"_a, "strips"_a, "low"_a, "high"_a, Released(),
+        "values"_a, "data"_a, "lattice"_a, "onset"_a, "basis"_a, "strips"_a, "low"_a, "high"_a, Unlocked(),
         "Whether all points lie in the tables, and the remaining penetration (n, C) m at the edge where strips (n,) "
         "that are not loaded begin to touch, means over the cells of a basis from low to high (n,) m along them; onset "
         "(K,) m of all strips. Beyond the lower body it is -inf.");
@@ -121,7 +121,7 @@ void bind_iteration(nb::module_& m) {
             auto found = search(values, data, probes, lines, barred);
             return std::tuple{found.complete, found.rest, array_of(found.strips)};
         },
-        "values"_a, "data"_a, "probes"_a, "lines"_a, "barred"_a, Released(),
+        "values"_a, "data"_a, "probes"_a, "lines"_a, "barred"_a, Unlocked(),
         "Whether there are tables of all pairs, the `Remaining` penetration of the strips that may enter, and strips "
         "between which tables are missing, or that are free: values (S, block) of the loaded ones; barred (n,): strips "
         "that must not enter.");
@@ -139,7 +139,7 @@ void bind_iteration(nb::module_& m) {
             return advance(values, data, kept, earlier, entered, limits, solver, probes, lines, barred);
         },
         "values"_a, "data"_a, "kept"_a, "earlier"_a, "entered"_a, "limits"_a, "solver"_a, "probes"_a, "lines"_a,
-        "barred"_a, Released(),
+        "barred"_a, Unlocked(),
         "Iterations from values (S, block) until something happens to the strips and, where they converge or others "
         "may enter, `search` of these. kept: factors of an earlier state of the same strips; earlier: whether these "
         "are "

@@ -12,13 +12,8 @@ using namespace nanobind::literals;
 
 namespace {
 
-using Unlocked = nb::call_guard<nb::gil_scoped_release>;
 using Pair = std::pair<double, double>;
 using Triple = std::tuple<double, double, double>;
-
-void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
 
 void require_contacts(const StripPressures& strips, long contacts) {
     require(strips.load.size() == contacts, "strips: must have as many contacts as there are weights or frames");
@@ -123,8 +118,6 @@ void bind_strips(nb::module_& m) {
     m.attr("NO_FRICTION") = NO_FRICTION;
     m.attr("FASTSIM") = FASTSIM;
     m.attr("POLACH") = POLACH;
-    m.def("penetration_regions", &penetration_regions, "found"_a,
-          "Contacts and strips of a wheel's regions as columns.");
     m.def("virtual_penetration", &virtual_penetration<double>, "zones"_a, "E_star"_a, Unlocked(),
           "Piotrowski and Kik's pressure on the interpenetration regions, with shape correction; E* Pa.");
     m.def("hertzian", &hertzian, "zones"_a, "E_star"_a, Unlocked(),

@@ -17,6 +17,14 @@ namespace nb = nanobind;
 template <class T>
 concept Structure = requires(T t) { t.fields(); };
 
+// Functions of the core run without the interpreter's lock.
+using Unlocked = nb::call_guard<nb::gil_scoped_release>;
+
+// Raises ValueError where arguments do not fit.
+inline void require(bool fits, const char* text) {
+    if (!fits) throw nb::value_error(text);
+}
+
 // What Python holds: a structure, and the objects from which it was made; none for one that the core made.
 template <class T>
 struct Kept {

@@ -11,10 +11,6 @@ using namespace nanobind::literals;
 
 namespace {
 
-void require(bool fits, const char* text) {
-    if (!fits) throw nb::value_error(text);
-}
-
 // Pose (3,) m and (3, 3) of the wheel, and velocity m/s, angular velocity rad/s and reference m (3,) of the wheel and
 // of the rail.
 struct WheelAndRail {
@@ -37,7 +33,6 @@ FourNumbers four(const Four& a) { return {a[0], a[1], a[2], a[3]}; }
 }  // namespace
 
 void bind_table(nb::module_& m) {
-    using Unlocked = nb::call_guard<nb::gil_scoped_release>;
     m.attr("ARM") = TABLE_ARM;
     structure<Grid>(m, "Grid", {"nodes", "counts", "values", "columns"},
                     "Values on a tensor product of nodes: nodes of all axes, one after the other, each increasing; "
