@@ -305,6 +305,18 @@ def test_depths_outside_the_body_are_exit_code_2(monkeypatch: pytest.MonkeyPatch
     assert "stress.depths: lower: place" in outcome.stderr
 
 
+def test_a_missing_c_compiler_is_one_line(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(HERTZ.read_text(encoding="utf-8"), encoding="utf-8")
+    root = str(Path(__file__).parents[2])
+    there = {"PYTHONPATH": root, "HOME": str(tmp_path), "WHEELRAIL_CACHE": str(tmp_path / "cache"), "PATH": str(tmp_path)}
+    command = [sys.executable, "-m", "wheelrail.cli", "contact", str(scene)]
+    done = subprocess.run(command, env=there, capture_output=True, text=True, timeout=100)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.splitlines()[-1].startswith(f"{scene}: laws need a C compiler")
+    assert "Traceback" not in done.stderr
+
+
 def test_unknown_figure_format_is_rejected(spring: SpringContact, tmp_path: Path) -> None:
     outcome = contact(HERTZ, "--picture", str(tmp_path / "patch.txt"))
     assert outcome.exit_code == 2

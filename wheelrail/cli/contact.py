@@ -65,6 +65,7 @@ def _solved(scene: HertzScene | WheelsetScene, name: Path) -> tuple[str, Dataset
     """Status and solution; an exception gives status "failed: ..." alone, with its traceback on standard error."""
     from wheelrail.scenes.contacts.solve import solve_contact
     from wheelrail.scenes.schema.errors import SceneError
+    from wheelrail.support.c_library import CompilerFailed
     from wheelrail.support.memory import TooLarge
 
     console = progress_console()
@@ -72,7 +73,7 @@ def _solved(scene: HertzScene | WheelsetScene, name: Path) -> tuple[str, Dataset
         with stdout_for_results(), console.status("reading the scene") as status:
             data = solve_contact(scene, lambda text: status.update(text))
         return str(data.attrs["status"]), data
-    except (SceneError, TooLarge) as error:
+    except (SceneError, TooLarge, CompilerFailed) as error:
         raise rejected(f"{name}: {error}") from None
     except Exception as error:
         import traceback
