@@ -308,8 +308,8 @@ def test_depths_outside_the_body_are_exit_code_2(monkeypatch: pytest.MonkeyPatch
 def test_a_missing_c_compiler_is_one_line(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(HERTZ.read_text(encoding="utf-8"), encoding="utf-8")
-    root = str(Path(__file__).parents[2])
-    there = {"PYTHONPATH": root, "HOME": str(tmp_path), "WHEELRAIL_CACHE": str(tmp_path / "cache"), "PATH": str(tmp_path)}
+    there = {"PYTHONPATH": str(Path(__file__).parents[2]), "WHEELRAIL_CACHE": str(tmp_path / "cache")}
+    there |= dict.fromkeys(("HOME", "PATH"), str(tmp_path))
     command = [sys.executable, "-m", "wheelrail.cli", "contact", str(scene)]
     done = subprocess.run(command, env=there, capture_output=True, text=True, timeout=100)
     assert (done.returncode, done.stdout) == (2, "")
