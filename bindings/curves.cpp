@@ -16,10 +16,12 @@ using Complex = View<const std::complex<double>, 1>;
 
 void bind_curves(nb::module_& m) {
     m.attr("SAMPLE_SPACING") = SPACING;
-    structure<Shape>(m, "Shape", {"breaks", "middles", "table", "samples", "sampled", "hollow"},
-                     "A curve of m pieces: breaks (m + 1,) and middles (m,) m in arc length, table (m, 3, 8) of "
-                     "coefficients of y + iz and its first two derivatives, samples (n,) m and points y + iz sampled "
-                     "(n,) m there, and whether it is hollow: has several closest points nearby.");
+    structure<Shape>(
+        m, "Shape", {"breaks", "middles", "table", "samples", "sampled", "hollow", "corners"},
+        "A curve of m pieces: breaks (m + 1,) and middles (m,) m in arc length, table (m, 3, 8) of "
+        "coefficients of y + iz and its first two derivatives, samples (n,) m and points y + iz sampled "
+        "(n,) m there, whether it is hollow: a point has several closest points nearby, and corners (k,) m, "
+        "arc lengths where the surface turns outwards at once.");
     m.def(
         "closest",
         [](const Shape& shape, const Complex& q, const Numbers& guess) {

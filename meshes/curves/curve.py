@@ -15,6 +15,7 @@ from wheelrail.support.arrays import Array, Complex
 
 DEGREE = 7
 HOLLOW = 0.3  # rad, more than the waves of a worn or measured rail
+CORNER = 1e-2  # rad: closest points on both sides of a smaller one are the same to 1e-4 of the depth
 ROUNDING = 1e-12  # m: the last bits of the ends differ from machine to machine
 
 _C = TypeVar("_C", bound="Curve")
@@ -162,13 +163,21 @@ class Curve:
     def shape(self) -> Shape:
         """The curve for the core."""
         table = np.ascontiguousarray(self._table.transpose(2, 0, 1))
-        return Shape(self.breaks.copy(), self._middles, table, self._samples, self._sampled, self._hollow)
+        hollow, corners = self._hollow or bool(len(self._corners)), self._corners
+        return Shape(self.breaks.copy(), self._middles, table, self._samples, self._sampled, hollow, corners)
 
     @cached_property
     def _hollow(self) -> bool:
         """Whether the body's surface turns inwards by more than `HOLLOW` somewhere."""
         angle = np.unwrap(np.angle(self._evaluate(self._samples)[1]))
         return bool((angle - np.minimum.accumulate(angle)).max() > HOLLOW)
+
+    @cached_property
+    def _corners(self) -> Array:
+        """Arc lengths (k,) m at which the body's surface turns outwards by more than `CORNER`."""
+        at, j = self.breaks[1:-1], np.arange(len(self.breaks) - 2)
+        before, after = self.local(at, j)[1], self.local(at, j + 1)[1]
+        return np.asarray(at[np.angle(after / before) < -CORNER])
 
     @cached_property
     def _middles(self) -> Array:

@@ -16,6 +16,7 @@ constexpr double SPACING = 1e-4;      // m, of the samples, and the longest step
 constexpr long STRIDE = 8;            // samples between those of the first, coarse search
 constexpr double SMALL_STEP = 3e-8;   // m; the error after one more step is quadratic in it, below 1e-12 m
 constexpr int FAST = 4, SAFE = 1000;  // steps
+constexpr double SHARPEST = 4.0;      // depths: closest points on both sides of a corner of 30 degrees
 
 // A curve of m pieces, for the core.
 struct Shape {
@@ -24,9 +25,10 @@ struct Shape {
     View<const std::complex<double>, 3> table;    // (m, 3, 8), coefficients of y + iz and its first two derivatives
     Numbers samples;                              // (n,) m, arc length
     View<const std::complex<double>, 1> sampled;  // (n,) m, points y + iz there
-    bool hollow = false;  // whether it turns back, as in a groove: a point has several closest points nearby
+    bool hollow = false;  // whether a point has several closest points nearby, as in a groove and under a corner
+    Numbers corners;      // (k,) m, arc lengths where the surface turns outwards at once
 
-    auto fields() { return std::tie(breaks, middles, table, samples, sampled, hollow); }
+    auto fields() { return std::tie(breaks, middles, table, samples, sampled, hollow, corners); }
     bool fits() const {
         long m = middles.size();
         return m > 0 && breaks.size() == m + 1 && table.shape == std::array<long, 3>{m, 3, 8} && samples.size() > 0 &&
@@ -43,12 +45,12 @@ struct OnCurve {
 };
 
 // Closest point of a curve to a point.
-template <class T>
 struct Foot {
-    T s{};               // m, arc length
-    T distance{};        // m, positive on the outward side
-    bool inside = true;  // false where it is an end of the curve and the point lies beyond it
+    double s = 0.0;         // m, arc length
+    double distance = 0.0;  // m, positive on the outward side
+    bool inside = true;     // false where it is an end of the curve and the point lies beyond it
     long piece = 0;
+    bool held = false;  // at a corner or an end, where the tangent is not perpendicular to the distance
 };
 
 // Index of the piece that contains s.
@@ -148,7 +150,7 @@ NewtonStep<T> newton_step(const OnCurve<double>& at, const Point<T>& q) {
 }
 
 // As `foot`, with steps limited to one smooth piece; the next step is taken on the adjacent piece.
-inline Foot<double> held(const Shape& shape, const Point<double>& q, double s) {
+inline Foot held(const Shape& shape, const Point<double>& q, double s) {
     long top = shape.middles.size() - 1, j = piece(shape, s);
     bool stationary = false;
     double along = 0.0, across = 0.0;
@@ -166,11 +168,11 @@ inline Foot<double> held(const Shape& shape, const Point<double>& q, double s) {
     }
     if (std::abs(along) <= 2 * SMALL_STEP) return {s, across, true, piece(shape, s)};
     bool inside = shape.first() < s && s < shape.last();
-    return {s, std::copysign(std::sqrt(along * along + across * across), across), inside, piece(shape, s)};
+    return {s, std::copysign(std::sqrt(along * along + across * across), across), inside, piece(shape, s), true};
 }
 
 // The closest point to q, from an initial arc length in or near piece j.
-inline Foot<double> foot_from(const Shape& shape, const Point<double>& q, double start, long j) {
+inline Foot foot_from(const Shape& shape, const Point<double>& q, double start, long j) {
     double first = shape.first(), last = shape.last(), s = start;
     for (int n = 0; n < FAST; ++n) {
         j = next_piece(shape, s, j);
@@ -194,22 +196,16 @@ T foot_change(const OnCurve<double>& at, const Point<T>& q) {
 }
 
 // The closest point to q, from an initial arc length.
-template <class T>
-Foot<T> foot(const Shape& shape, const Point<T>& q, double start) {
-    auto found = foot_from(shape, value(q), start, piece(shape, start));
-    if constexpr (std::is_same_v<T, double>) {
-        return found;
-    } else {
-        using std::sqrt;
-        auto on = local(shape, found.s, found.piece);
-        auto at = newton_step(on, q);
-        bool smooth = std::abs(value(at.along)) <= 2 * SMALL_STEP;
-        T away = smooth ? at.across : sqrt(at.along * at.along + at.across * at.across);
-        Foot<T> result{found.s + foot_change(on, q), !smooth && found.distance < 0.0 ? -away : away, found.inside,
-                       found.piece};
-        result.distance.v = found.distance;
-        return result;
-    }
+inline Foot foot(const Shape& shape, const Point<double>& q, double start) {
+    return foot_from(shape, q, start, piece(shape, start));
+}
+
+// Corner near s m, for a point at a distance m: within the curve it may have a closest point on either side; NaN
+// without.
+inline double corner_near(const Shape& shape, double s, double distance) {
+    for (double corner : shape.corners)
+        if (std::abs(s - corner) < SPACING + SHARPEST * std::abs(distance)) return corner;
+    return std::numeric_limits<double>::quiet_NaN();
 }
 
 // `Closest` of points (n,) m, from arc lengths guess (n,) m, or (0,) for the nearest samples: arc lengths (n,) m,

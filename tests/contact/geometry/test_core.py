@@ -69,7 +69,7 @@ def test_derivatives_by_the_pose(surfaces: StripSurfaces) -> None:
 def test_arrays_that_do_not_fit_are_refused() -> None:
     shape, lines = RAIL.shape, RigidWheelRail(WHEEL, RAIL, RADIUS).lines
     place, n = pose(PROFILES).arrays, len(lines.s)
-    parts = [getattr(shape, name) for name in ("breaks", "middles", "table", "samples", "sampled", "hollow")]
+    parts = [getattr(shape, name) for name in shape._fields]
     for i in range(5):
         with pytest.raises(ValueError, match=r"Shape: .* do not fit"):
             core.Shape(*parts[:i], parts[i][:-1], *parts[i + 1 :])

@@ -10,7 +10,13 @@ from wheelrail.contact.geometry.strip_surfaces import ProfileStrips, QuadricStri
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 
 NO_SHAPE = Shape(
-    np.zeros(2), np.zeros(1), np.zeros((1, 3, 8), dtype=complex), np.zeros(1), np.zeros(1, dtype=complex), False
+    np.zeros(2),
+    np.zeros(1),
+    np.zeros((1, 3, 8), dtype=complex),
+    np.zeros(1),
+    np.zeros(1, dtype=complex),
+    False,
+    np.zeros(0),
 )
 
 

@@ -2,7 +2,7 @@
 //
 // Maxima, ends and lowest points are defined by equations, which are solved in doubles. One more Newton step in dual
 // numbers, for the lowest point of a line, and the derivatives of an equation over its slope along the line give those
-// of its solution (implicit functions).
+// of its solution (implicit functions). Where an inequality holds instead, as at corners, the place stays there.
 #pragma once
 #include "contact/models/standard/core/regions.hpp"
 
@@ -13,6 +13,10 @@ using ByPose = Dual<MOTIONS>;         // varies by these
 using OnLine = Dual<MOTIONS + 1>;     // and by the place s of a line of the wheel
 constexpr int ALONG_WHEEL = MOTIONS;  // that variable
 
+constexpr double JUMP = 1e-7;    // slope at a maximum or minimum beyond rounding: it jumps there
+constexpr double BESIDE = 1e-8;  // m, from such a place
+constexpr double LEVEL = 1e-9;   // slope of an equation, 1 or 1/m, that is rounding
+
 // Penetration m of a line of the wheel at its lowest point, its slope by s, x m there, and its place on the profile.
 template <class T>
 struct LineDepth {
@@ -20,31 +24,52 @@ struct LineDepth {
     OnCurve<T> profile;
 };
 
-// Those of the line at s m, whose lowest point is known to be at x m; the rail's nearest sample, negative without one,
-// becomes that of this line.
+// Those of a line whose lowest point is known. At a corner or an end of the rail the closest point is held:
+// the distance from it turns. Below a corner both sides are as near, and remain so along the line.
 template <class T>
-LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const T& s, double x, long& sample) {
-    auto line = at_place(pair.wheel, s);
-    double sine = std::sin(x / pair.radius), cosine = std::cos(x / pair.radius), r = value(line.point.z) + pair.radius;
-    const auto& [forth, axle, up] = pose.rotation;
-    auto at = [&](const T& o, const T& along, const T& axial, const T& upward) {
-        return value(o) + r * (value(along) * sine - value(upward) * cosine) + value(axial) * value(line.point.y);
-    };
-    Point<double> q{at(pose.origin.y, forth.y, axle.y, up.y), at(pose.origin.z, forth.z, axle.z, up.z)};
-    sample = sample_from(pair.rail, q, sample);
-    auto closest = foot(pair.rail, q, pair.rail.samples(sample));
-    auto rail = local(pair.rail, closest.s, closest.piece);
+LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const OnCurve<T>& line, const Lowest& known) {
+    using std::sqrt;
+    double sine = std::sin(known.x / pair.radius), cosine = std::cos(known.x / pair.radius);
+    auto rail = local(pair.rail, known.at, known.piece);
     auto step = lowest_step(line, pair.radius, pose, sine, cosine, rail);
-    T y = line.tangent.z * step.up.y + line.tangent.y * axle.y,
-      z = line.tangent.z * step.up.z + line.tangent.y * axle.z;
-    T slope = y * rail.tangent.z - z * rail.tangent.y + step.step * (y * rail.bend.z - z * rail.bend.y);
-    return {-step.height, slope, x + pair.radius * step.turn, line};
+    auto along = [&](const Point<T>& up) {  // change of the place with s
+        return line.tangent.z * up + line.tangent.y * Point<T>{pose.rotation.y.y, pose.rotation.y.z};
+    };
+    auto by_turn = [&](const T& turn, const T& depth, const T& slope) {
+        return LineDepth<T>{depth, slope, known.x + pair.radius * turn, line};
+    };
+    if (!known.held && std::isnan(known.across)) {
+        auto t = along(step.up);
+        T slope = t.y * rail.tangent.z - t.z * rail.tangent.y + step.step * (t.y * rail.bend.z - t.z * rail.bend.y);
+        return by_turn(step.turn, -step.height, slope);
+    }
+    const auto& [forward, up, away] = std::tie(step.forward, step.up, step.away);
+    T r = line.point.z + pair.radius;
+    if (known.held) {
+        T turn = dot(away, forward) / (value(dot(away, up)) - value(r) * squared(value(forward)));
+        auto there = away + (r * turn) * forward;
+        T depth = std::copysign(1.0, known.depth) * sqrt(dot(there, there));
+        return by_turn(turn, depth, dot(along(up + turn * forward), there) / depth);
+    }
+    auto other = local(pair.rail, known.across);
+    auto across = lowest_step(line, pair.radius, pose, sine, cosine, other);
+    T turn = (step.height - across.height) / (value(r * (across.level - step.level)));
+    auto t = along(up + turn * forward), ahead = forward - turn * up;
+    auto tangent = [&](const OnCurve<double>& on, const LowestStep<T>& own) {
+        T change = (own.beside + r * turn * dot(on.tangent, forward)) / own.second;
+        return on.tangent + change * on.bend;
+    };
+    auto one = tangent(rail, step), two = tangent(other, across);
+    T a = cross(one, ahead), b = cross(two, ahead);
+    return by_turn(turn, -step.height - r * turn * a, (b * cross(one, t) - a * cross(two, t)) / (a - b));
 }
 
-// Place s m at which a function of the line equals a level: of the implicit function.
+// Place s m at which a function of the line equals a level: of the implicit function; where the function is level, the
+// place stays.
 inline ByPose solution(double s, const OnLine& f, const ByPose& level) {
     ByPose r(s);
-    for (int i = 0; i < MOTIONS; ++i) r.d[i] = (level.d[i] - f.d[i]) / f.d[ALONG_WHEEL];
+    if (std::abs(f.d[ALONG_WHEEL]) > LEVEL)
+        for (int i = 0; i < MOTIONS; ++i) r.d[i] = (level.d[i] - f.d[i]) / f.d[ALONG_WHEEL];
     return r;
 }
 
@@ -108,10 +133,29 @@ class VariedRegions {
 
     static Extremum<ByPose> constant(const Extremum<>& at) { return {at.s, at.depth, at.x}; }
 
-    // A maximum or minimum of the penetration.
+    // The line at s m, whose lowest point is near x m.
+    template <class T>
+    LineDepth<T> line_at(const Pose<T>& varying, const T& s, double x) {
+        auto line = local(pair.wheel, value(s));
+        auto known = lowest(pair.rail, pair.radius, at_pose, line, x, near);
+        near = known.sample;
+        return line_depth(pair, varying, at_place(line, s), known);
+    }
+    LineDepth<OnLine> line_at(double s, double x) { return line_at(line_pose, variable<OnLine>(s, ALONG_WHEEL), x); }
+
+    // A maximum or minimum of the penetration. At a corner of the wheel, and below one of the rail, its slope jumps
+    // through zero: both sides are as deep.
     Extremum<ByPose> stationary(const Extremum<>& at) {
-        auto line = line_depth(pair, line_pose, variable<OnLine>(at.s, ALONG_WHEEL), at.x, near);
-        ByPose s = solution(at.s, line.slope, 0.0), depth = on_place(line.depth, s);
+        auto line = line_at(at.s, at.x);
+        ByPose s = solution(at.s, line.slope, 0.0);
+        if (std::abs(line.slope.v) > JUMP) {
+            auto before = line_at(at.s - BESIDE, at.x), after = line_at(at.s + BESIDE, at.x);
+            if ((before.slope.v > 0.0) != (after.slope.v > 0.0)) {
+                s = solution(at.s, before.depth - after.depth, 0.0);
+                line = std::abs(before.x.v - at.x) < std::abs(after.x.v - at.x) ? before : after;
+            }
+        }
+        ByPose depth = on_place(line.depth, s);
         depth.v = at.depth;
         return {s, depth, on_place(line.x, s)};
     }
@@ -122,10 +166,7 @@ class VariedRegions {
         auto lows_found = std::span<const Extremum<>>(lows).first(std::max(count - 1, 0L));
         if (s != half_limit(lines, lows_found, j, direction)) {
             double x = found.strips((half + 1) * HALF - 1, 1);  // of the outermost strip
-            auto lowest = deepest(pair, at_pose, s, x, near);
-            near = lowest.sample;
-            auto line = line_depth(pair, line_pose, variable<OnLine>(s, ALONG_WHEEL), lowest.x, near);
-            return solution(s, line.depth, level);
+            return solution(s, line_at(s, x).depth, level);
         }
         long between = direction < 0 ? j - 1 : j;
         return 0 <= between && between < count - 1 ? low[between].s : ByPose(s);
@@ -142,7 +183,7 @@ class VariedRegions {
         for (long q = 0; q < HALF; ++q) {
             long i = half * HALF + q;
             ByPose s = top[j].s + outward * POSITIONS[q];
-            auto line = line_depth(pair, pose, s, found.strips(i, 1), near);
+            auto line = line_at(pose, s, found.strips(i, 1));
             auto depth = covered<ByPose>(line.depth - level, valley, distance(s, top[k].s), merge);
             const auto& profile = line.profile;
             auto cosine = value(profile.tangent.y) > MIN_SLOPE_COSINE ? profile.tangent.y : ByPose(MIN_SLOPE_COSINE);

@@ -50,11 +50,14 @@ inline PenetrationRegions penetration_regions(const WheelRegions& found) {
 
 // Place of a curve at an s m that varies; its bend does not.
 template <class T>
-OnCurve<T> at_place(const Shape& shape, const T& s) {
-    auto at = local(shape, value(s));
+OnCurve<T> at_place(const OnCurve<double>& at, const T& s) {
     return {{s.chain(at.point.y, at.tangent.y), s.chain(at.point.z, at.tangent.z)},
             {s.chain(at.tangent.y, at.bend.y), s.chain(at.tangent.z, at.bend.z)},
             {T(at.bend.y), T(at.bend.z)}};
+}
+template <class T>
+OnCurve<T> at_place(const Shape& shape, const T& s) {
+    return at_place(local(shape, value(s)), s);
 }
 
 }  // namespace wr
