@@ -130,7 +130,7 @@ inline Lowest lowest_at_foot(const Shape& rail, double radius, const Pose<double
 inline Lowest lowest_on(const Shape& rail, double radius, const Pose<double>& pose, const OnCurve<double>& line,
                         double sine, double cosine, long sample, double at, const Pieces& pieces = {}) {
     double r = line.point.z + radius;
-    long j = pieces.with(rail, at, piece(rail, at));
+    long j = std::clamp(piece(rail, at), pieces.first, pieces.last);
     for (int n = 0; n < ITERATIONS; ++n) {
         auto on = local(rail, at, j);
         auto own = lowest_step(line, radius, pose, sine, cosine, on);
@@ -177,10 +177,12 @@ struct Side {
     }
 };
 
-// As `lowest`, within a corner of the rail at an arc length m: the lower one of its sides counts. found: of any side.
+// As `lowest`, within a corner of the rail that is near: the lower one of its sides counts. found: of any side.
 inline Lowest lowest_at_corner(const Shape& rail, double radius, const Pose<double>& pose, const OnCurve<double>& line,
-                               const Lowest& found, double corner) {
+                               const Lowest& found) {
     const auto& [origin, m] = pose;
+    double corner = corner_near(rail, found.at, found.depth);
+    if (std::isnan(corner)) return found;
     double r = line.point.z + radius, away = std::abs(found.at - corner);
     long first = piece(rail, corner);
     Side sides[] = {{rail, {0, first - 1}, corner - away}, {rail, {first, rail.middles.size() - 1}, corner + away}};
@@ -244,8 +246,7 @@ inline Lowest lowest(const Shape& rail, double radius, const Pose<double>& pose,
     sample = sample_from(rail, q, sample);
     auto found = lowest_on(rail, radius, pose, line, sine, cosine, sample, rail.samples(sample));
     if (std::isnan(found.depth)) found = lowest_at_foot(rail, radius, pose, line, x, sample);
-    double corner = corner_near(rail, found.at, found.depth);
-    return std::isnan(corner) ? found : lowest_at_corner(rail, radius, pose, line, found, corner);
+    return rail.corners.size() ? lowest_at_corner(rail, radius, pose, line, found) : found;
 }
 
 }  // namespace wr
