@@ -163,8 +163,8 @@ class Curve:
     def shape(self) -> Shape:
         """The curve for the core."""
         table = np.ascontiguousarray(self._table.transpose(2, 0, 1))
-        hollow, corners = self._hollow or bool(len(self._corners)), self._corners
-        return Shape(self.breaks.copy(), self._middles, table, self._samples, self._sampled, hollow, corners)
+        sampled = self._samples, self._sampled
+        return Shape(self.breaks.copy(), self._middles, table, *sampled, self._hollow, self._corners)
 
     @cached_property
     def _hollow(self) -> bool:

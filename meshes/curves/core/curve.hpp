@@ -25,7 +25,7 @@ struct Shape {
     View<const std::complex<double>, 3> table;    // (m, 3, 8), coefficients of y + iz and its first two derivatives
     Numbers samples;                              // (n,) m, arc length
     View<const std::complex<double>, 1> sampled;  // (n,) m, points y + iz there
-    bool hollow = false;  // whether a point has several closest points nearby, as in a groove and under a corner
+    bool hollow = false;  // whether it turns back, as in a groove: a point has several closest points nearby
     Numbers corners;      // (k,) m, arc lengths where the surface turns outwards at once
 
     auto fields() { return std::tie(breaks, middles, table, samples, sampled, hollow, corners); }
