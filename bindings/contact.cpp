@@ -21,11 +21,11 @@ NB_MODULE(_contact, m) {
     bind_kinematics(m);
     bind_geometry(m);
     bind_laws(m);
+    bind_results(m);
     bind_influence(m);
     bind_tables(m);
     bind_lattice(m);
     bind_derivatives(m);
     bind_standard(m);
-    bind_results(m);
     bind_table(m);
 }

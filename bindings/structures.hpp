@@ -5,7 +5,9 @@
 #include <nanobind/stl/complex.h>
 
 #include <string>
+#include <string_view>
 #include <tuple>
+#include <vector>
 
 #include "support/core/arrays.hpp"
 
@@ -130,71 +132,93 @@ struct type_caster<T> {
 
 namespace wr {
 
+// What is done with fields of one type: taken from Python (false if of another type), returned to it,
+// and named there.
+struct FieldType {
+    bool (*take)(nb::handle from, void* to);
+    nb::object (*give)(const void* from);
+    std::string (*name)(bool given);
+};
+
+// Text of nanobind about a type, with the names of classes for each %.
+std::string python_name(std::string_view text, const std::type_info* const* types, bool given);
+
 template <class F>
-F field_of(nb::handle from, const std::string& structure, const char* name) {
-    nb::detail::make_caster<F> caster;
-    // Numbers of NumPy and integers count as numbers; anything else must have the right type.
-    constexpr auto flags = std::is_arithmetic_v<F> ? uint8_t(nb::detail::cast_flags::convert) : uint8_t(0);
-    if (!caster.from_python(from, flags, nullptr)) {
-        std::string text = structure + "." + name + ": wrong type, or an array of other dimensions, numbers or order";
-        throw nb::type_error(text.c_str());
-    }
-    if constexpr (Structure<F>)
-        return *caster.value;
-    else if constexpr (std::is_pointer_v<F>)  // of an object that Python holds
-        return static_cast<std::remove_const_t<std::remove_pointer_t<F>>*>(caster);
-    else
-        return caster.value;
+const FieldType field_type{
+    [](nb::handle from, void* to) {
+        nb::detail::make_caster<F> caster;
+        // Numbers of NumPy and integers count as numbers; anything else must have the right type.
+        constexpr auto flags = std::is_arithmetic_v<F> ? uint8_t(nb::detail::cast_flags::convert) : uint8_t(0);
+        if (!caster.from_python(from, flags, nullptr)) return false;
+        if constexpr (Structure<F>)
+            *static_cast<F*>(to) = *caster.value;
+        else if constexpr (std::is_pointer_v<F>)  // of an object that Python holds
+            *static_cast<F*>(to) = static_cast<std::remove_const_t<std::remove_pointer_t<F>>*>(caster);
+        else
+            *static_cast<F*>(to) = caster.value;
+        return true;
+    },
+    [](const void* from) { return nb::cast(*static_cast<const F*>(from)); },
+    [](bool given) {
+        constexpr auto text = nb::detail::make_caster<F>::Name;
+        const std::type_info* types[text.type_count() + 1];
+        text.put_types(types);
+        return python_name(text.text, types, given);
+    }};
+
+// A structure as Python sees it; code for its fields is the same for all structures but for two functions.
+struct Description {
+    std::string name;
+    std::vector<const char*> fields;
+    std::vector<const FieldType*> types;
+    nb::handle type;
+    const nb::object& (*given)(void* kept);
+    const void* (*field)(void* kept, std::size_t number);
+
+    // Raises TypeError that names the field.
+    void take(const nb::tuple& given, void* const* to) const;
+};
+
+template <Structure T>
+auto addresses(T& data) {
+    return std::apply([](auto&... field) { return std::array{const_cast<void*>((const void*)&field)...}; },
+                      data.fields());
 }
 
-template <class T, std::size_t I>
-using Field = std::decay_t<std::tuple_element_t<I, decltype(std::declval<T&>().fields())>>;
+// What a structure's class has: its fields, read-only, and copies and pickles by them. Text of what makes one.
+std::string define(const Description* of, nb::handle made);
 
-// Class of a structure with the names of its fields: made from them, read-only, pickled by them. A structure with
-// `bool fits() const` refuses lengths and indices that do not fit: the core reads within its arrays only.
+// Fields in their order, given by it or by name.
+nb::tuple ordered(const Description& of, const nb::args& first, const nb::kwargs& named);
+
+// Class of a structure with the names of its fields. A structure with `bool fits() const` refuses lengths and indices
+// that do not fit: the core reads within its arrays only.
 template <Structure T, std::size_t N>
 nb::class_<Kept<T>> structure(nb::module_& m, const char* name, const char* const (&fields)[N], const char* text = "") {
-    static_assert(std::tuple_size_v<decltype(std::declval<T&>().fields())> == N);
     nb::class_<Kept<T>> made(m, name, text);
-    auto names = std::to_array(fields);
-    auto define = [&]<std::size_t... I>(std::index_sequence<I...>) {
-        made.def(
-            "__init__",
-            [own = std::string(name), names](Kept<T>* self, nb::typed<nb::object, Field<T, I>>... given) {
-                T data;
-                nb::object all[] = {given...};
-                data.fields() = std::tuple{field_of<Field<T, I>>(all[I], own, names[I])...};
-                if constexpr (requires { data.fits(); })
-                    if (!data.fits()) throw nb::value_error((own + ": lengths or indices do not fit").c_str());
-                new (self) Kept<T>{nb::make_tuple(given...), std::move(data)};
-            },
-            nb::arg(names[I]).none()...);
-        (made.def_prop_ro(names[I],
-                          [](Kept<T>& self) -> nb::typed<nb::object, Field<T, I>> {
-                              if (self.given.is_valid()) return nb::typed<nb::object, Field<T, I>>(self.given[I]);
-                              return nb::typed<nb::object, Field<T, I>>(nb::cast(std::get<I>(self.data.fields())));
-                          }),
-         ...);
-    };
-    define(std::make_index_sequence<N>());
-    nb::list listed;
-    for (const char* field : names) listed.append(field);
-    made.attr("_fields") = nb::tuple(listed);
+    auto types = []<class... F>(std::type_identity<std::tuple<F&...>>) {
+        static_assert(sizeof...(F) == N);
+        return std::vector<const FieldType*>{&field_type<std::remove_const_t<F>>...};
+    }(std::type_identity<decltype(std::declval<T&>().fields())>());
+    const auto* of = new Description{
+        name,
+        {fields, fields + N},
+        types,
+        made,
+        [](void* kept) -> const nb::object& { return static_cast<Kept<T>*>(kept)->given; },
+        [](void* kept, std::size_t i) -> const void* { return addresses(static_cast<Kept<T>*>(kept)->data)[i]; }};
+    std::string init = define(of, made);
     made.def(
-        "_replace",
-        [names](nb::handle self, const nb::kwargs& changes) {
-            nb::dict values;
-            for (const char* field : names) values[field] = self.attr(field);
-            values.update(changes);
-            return self.type()(**values);
+        "__init__",
+        [of](Kept<T>* self, const nb::args& first, const nb::kwargs& named) {
+            nb::tuple given = ordered(*of, first, named);
+            T data;
+            of->take(given, addresses(data).data());
+            if constexpr (requires { data.fits(); })
+                if (!data.fits()) throw nb::value_error((of->name + ": lengths or indices do not fit").c_str());
+            new (self) Kept<T>{given, std::move(data)};
         },
-        nb::sig("def _replace(self, **changes: object) -> typing.Self"),
-        "The same with other fields, as of named tuples.");
-    made.def("__reduce__", [names](nb::handle self) -> nb::typed<nb::tuple, nb::object, nb::object> {
-        nb::list values;
-        for (const char* field : names) values.append(self.attr(field));
-        return nb::typed<nb::tuple, nb::object, nb::object>(nb::make_tuple(self.type(), nb::tuple(values)));
-    });
+        nb::sig(init.c_str()));
     return made;
 }
 

@@ -314,6 +314,20 @@ for k in range(150):
     assert (found["values"] == found["value"]).all() and len(found["values"]) == 5000 + int(found["value"]) % 97
 """
 
+BUILDER = """
+import sys, time
+import numpy as np
+from wheelrail.support.cache import cached
+
+def build():
+    time.sleep(0.5)
+    print("built")
+    return {"values": np.arange(3)}
+
+sys.stdin.readline()
+assert list(cached("shared/slow", build, ("values",))["values"]) == [0, 1, 2]
+"""
+
 
 def together(script: str) -> list[str]:
     """What two processes print that start the script at the same time."""
@@ -345,3 +359,8 @@ def test_two_processes_share_a_cache(folder: Path, script: str) -> None:
     files = [path for path in folder.rglob("*") if path.is_file()]
     assert files
     assert all(path.suffix == ".npz" and not path.name.startswith(".part-") for path in files)
+
+
+def test_one_process_builds_what_two_need(folder: Path) -> None:
+    assert sorted(together(BUILDER)) == ["", "built\n"]
+    assert [path.name for path in folder.rglob("*") if path.is_file()] == ["slow.npz"]

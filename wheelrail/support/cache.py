@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -126,9 +128,24 @@ def store(name: str, arrays: Arrays) -> None:
 
 
 def cached(name: str, build: Callable[[], Arrays], names: Sequence[str]) -> Arrays:
-    """The named arrays from the cache, or built and stored."""
+    """The named arrays from the cache, or built by one process, for which others wait, and stored."""
     arrays = load(name)
     if arrays is None or not set(names) <= set(arrays):
-        arrays = dict(build())
-        store(name, arrays)
+        with _one_process(name):
+            arrays = load(name)
+            if arrays is None or not set(names) <= set(arrays):
+                arrays = dict(build())
+                store(name, arrays)
     return arrays
+
+
+@contextmanager
+def _one_process(name: str) -> Iterator[None]:
+    """One process at a time in the block; all of them where files cannot be locked."""
+    path = cache_folder() / f"{name}.lock"
+    with ExitStack() as stack:
+        with suppress(OSError):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            fcntl.flock(stack.enter_context(path.open("w")), fcntl.LOCK_EX)  # which ends with the process
+            stack.callback(path.unlink, missing_ok=True)
+        yield
