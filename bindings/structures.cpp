@@ -53,8 +53,10 @@ void Description::take(const nb::tuple& given, void* const* to) const {
 nb::tuple ordered(const Description& of, const nb::args& first, const nb::kwargs& named) {
     nb::list all(first);
     bool known = first.size() + named.size() == of.fields.size();
-    for (std::size_t i = first.size(); known && i < of.fields.size(); ++i)
-        if ((known = named.contains(of.fields[i]))) all.append(named[of.fields[i]]);
+    for (std::size_t i = first.size(); known && i < of.fields.size(); ++i) {
+        known = named.contains(of.fields[i]);
+        if (known) all.append(named[of.fields[i]]);
+    }
     if (known) return nb::tuple(all);
     std::string text = of.name + ": takes";
     for (const char* field : of.fields) text += std::string(" ") + field;

@@ -163,7 +163,7 @@ const FieldType field_type{
         constexpr auto text = nb::detail::make_caster<F>::Name;
         const std::type_info* types[text.type_count() + 1];
         text.put_types(types);
-        return python_name(text.text, types, given);
+        return python_name(text.text, types, given) + (given && std::is_pointer_v<F> ? " | None" : "");
     }};
 
 // A structure as Python sees it; code for its fields is the same for all structures but for two functions.
