@@ -11,6 +11,8 @@ void bind_influence(nb::module_& m);
 void bind_tables(nb::module_& m);
 void bind_lattice(nb::module_& m);
 void bind_derivatives(nb::module_& m);
+void bind_lattice_problem(nb::module_& m);
+void bind_lattice_contact(nb::module_& m);
 void bind_standard(nb::module_& m);
 void bind_results(nb::module_& m);
 void bind_table(nb::module_& m);
@@ -26,6 +28,8 @@ NB_MODULE(_contact, m) {
     bind_tables(m);
     bind_lattice(m);
     bind_derivatives(m);
+    bind_lattice_problem(m);
+    bind_lattice_contact(m);
     bind_standard(m);
     bind_table(m);
 }

@@ -42,10 +42,6 @@ void bind_surfaces(nb::module_& m) {
     structure<PenetrationChanges>(m, "PenetrationChanges", {"depth", "foot"},
                                   "Derivatives (n, 6) of the penetration and of the closest points at n points by the "
                                   "pose of the wheel's frame.");
-    structure<SurfaceFrames>(m, "SurfaceFrames", {"point", "axes", "forward", "turn"},
-                             "Points (n, 3) m of the upper body and its axes (n, 3, 3) there: longitudinal, lateral "
-                             "and outward; forward (n, 3): change of the points along x; turn (3,) rad/m: rotation of "
-                             "the axes along x.");
     m.def(
         "penetration",
         [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, const Numbers& s,
@@ -73,15 +69,6 @@ void bind_surfaces(nb::module_& m) {
         "Largest penetration on the lines s (n,) m at a pose (3,) m and (3, 3), its place (n,) m along x and the "
         "relative curvature (n,) 1/m there.");
     m.def(
-        "frames",
-        [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, const Numbers& s,
-           const Numbers& x) {
-            require_places(s, x);
-            return frames(surface, pose(origin, rotation), s, x);
-        },
-        "surface"_a, "origin"_a, "rotation"_a, "s"_a, "x"_a, Unlocked(),
-        "Points and axes at s, x (n,) m across and along, at a pose (3,) m and (3, 3).");
-    m.def(
         "touching_changes",
         [](const SurfaceData& surface, const Motion& motion, const Numbers& s, const Numbers& x, const Numbers& feet) {
             require_places(s, x);
@@ -91,16 +78,6 @@ void bind_surfaces(nb::module_& m) {
         "surface"_a, "motion"_a, "s"_a, "x"_a, "feet"_a, Unlocked(),
         "Derivatives (n, 6) by the pose of the places of `crests` along x, and of the closest points on the lower "
         "body: lines s and places x (n,) m of the largest penetration on them, feet (n,) m of the closest points.");
-    m.def(
-        "rigid_shift",
-        [](const SurfaceFrames& places, const Rows& level, const Motion& motion) {
-            require(level.shape == places.point.shape, "level: must be (n, 3)");
-            return rigid_shift(places, level, motion);
-        },
-        "places"_a, "level"_a, "motion"_a, Unlocked(),
-        "Rigid tangential velocity (n, 2) m/s of the upper relative to the lower body, its derivative (n, 2) along x, "
-        "and the mean velocity (n,) m/s of both in the longitudinal axes; level (n, 3): longitudinal axes where the "
-        "strips touch.");
     m.def(
         "wheel_points",
         [](const Shape& wheel, double radius, const Numbers& origin, const Rows& rotation, const Numbers& s,

@@ -2,12 +2,11 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
-#include <nanobind/stl/tuple.h>
 
 #include "contact/models/lattice/influence/core/body_displacement.hpp"
 #include "contact/models/lattice/influence/core/bulk.hpp"
-#include "contact/models/lattice/influence/core/cell_compliance.hpp"
 #include "contact/models/lattice/influence/core/pair_samples.hpp"
+#include "contact/models/lattice/influence/core/short_strips.hpp"
 #include "structures.hpp"
 
 using namespace wr;
@@ -17,10 +16,6 @@ namespace {
 
 template <int N>
 using Shape_ = std::array<long, N>;
-
-void require_strips(const StripGrid& grid, const StripBasis& basis) {
-    require(grid.x.shape[1] == basis.M() + 3, "grid: does not fit to the basis");
-}
 
 void bind_structures(nb::module_& m) {
     structure<StripBasis>(m, "StripBasis",
@@ -52,29 +47,6 @@ void bind_structures(nb::module_& m) {
 
 // Displacements by loads.
 void bind_operators(nb::module_& m) {
-    m.def(
-        "antiderivatives",
-        [](const PairTables& tables, const StripGrid& grid, const Blocks& jumps) {
-            require(jumps.size() == grid.size() && jumps.shape[1] <= grid.x.shape[1] && jumps.shape[2] == 3,
-                    "jumps: must be (S, M + 1, 3)");
-            return antiderivatives(tables, grid, jumps);
-        },
-        "tables"_a, "grid"_a, "jumps"_a, Unlocked(),
-        "Whether all distances lie in the tables, and V (S, M + 3, 3), the antiderivative of the displacement along x, "
-        "by jumps (S, M + 1, 3) of traction times width.");
-    m.def(
-        "operator",
-        [](const PairTables& tables, const StripGrid& grid, const Blocks& jumps, const StripBasis& basis, bool rolls) {
-            require_strips(grid, basis);
-            require(jumps.shape == Shape_<3>{grid.size(), basis.M() + 1, 3}, "jumps: must be (S, M + 1, 3)");
-            Operator made{tables, grid, jumps, basis, rolls};
-            bool inside = made.fill();
-            return std::tuple{inside, made.A, made.V};
-        },
-        "tables"_a, "grid"_a, "jumps"_a, "basis"_a, "rolls"_a, Unlocked(),
-        "Whether all distances lie in the tables, derivative (n, n) of slips and moments by tractions, modes and ends, "
-        "and V (S, M + 3, 3). Rows and columns strip by strip: slips along and across by tractions along and across "
-        "(if rolling), moments by modes and ends.");
     m.def(
         "look_up",
         [](const PairTables& tables, long i, long j, const Numbers& rows, const Numbers& columns,
@@ -116,30 +88,6 @@ void bind_operators(nb::module_& m) {
         "that number, shares of these parts and their derivatives 1/m by both lengths (3, SPLITS); lengths and "
         "distance "
         "of their middles in m.");
-    m.def(
-        "cell_operator",
-        [](const PairTables& tables, const StripGrid& grid, const StripBasis& basis, bool rolls) {
-            require_strips(grid, basis);
-            return cell_operator(tables, grid, basis, rolls);
-        },
-        "tables"_a, "grid"_a, "basis"_a, "rolls"_a, Unlocked(),
-        "Whether all distances lie in the tables, and slips along and across and relative normal displacement of all n "
-        "cells by unit tractions on them (along, across, and pressure): (3 n, 3 n), or without rolling displacement by "
-        "pressure alone (n, n); rows and columns component by component.");
-    m.def(
-        "body_displacements",
-        [](const StripGrid& grid, const Blocks& forces, const Rows& load, const Blocks& displacement,
-           const BodyTables& bodies) {
-            long S = grid.size(), M = grid.x.shape[1] - 3;
-            require(M > 0 && forces.shape == Shape_<3>{S, M + 1, 3}, "forces: must be (S, M + 1, 3)");
-            require(load.shape == Shape_<2>{S, M} && displacement.shape == Shape_<3>{S, M, 3},
-                    "load, displacement: must be (S, M) and (S, M, 3)");
-            return body_displacements(grid, forces, load, displacement, bodies);
-        },
-        "grid"_a, "forces"_a, "load"_a, "displacement"_a, "bodies"_a, Unlocked(),
-        "Displacements of both bodies on strips with cells of forces (S, M + 1, 3) N/m, jumps at their boundaries, "
-        "load "
-        "(S, M) N and relative displacement (S, M, 3) m.");
 }
 
 }  // namespace
@@ -148,8 +96,8 @@ void bind_influence(nb::module_& m) {
     m.attr("MODES") = MODES, m.attr("MOMENTS") = MOMENTS, m.attr("STATIONS") = STATIONS;
     m.attr("PARTS") = nb::make_tuple(PARTS[0], PARTS[1]);
     m.attr("XX") = int(XX), m.attr("TT") = int(TT), m.attr("NN") = int(NN), m.attr("TN") = int(TN);
-    m.attr("TN_TURN") = int(TN_TURN), m.attr("XT") = int(XT), m.attr("ROLL") = int(ROLL), m.attr("XN") = int(XN);
-    m.attr("CELLS") = CELLS, m.attr("DEGREE") = DEGREE, m.attr("COMPONENTS") = COMPONENTS, m.attr("EVEN") = EVEN;
+    m.attr("TN_TURN") = int(TN_TURN), m.attr("ROLL") = int(ROLL);
+    m.attr("CELLS") = CELLS, m.attr("DEGREE") = DEGREE, m.attr("COMPONENTS") = COMPONENTS;
     m.attr("REACH") = REACH, m.attr("START") = START, m.attr("TILE") = TILE;
     bind_structures(m);
     bind_operators(m);

@@ -15,9 +15,7 @@ void require_step(Rows values, Rows step) {
 }
 
 void bind_system(nb::module_& m) {
-    m.attr("GAUSS") = GAUSS;
     m.attr("SLOPES") = SLOPES;
-    m.attr("OPENING") = OPENING;
     structure<EquationData>(m, "EquationData", {"tables", "surface", "motion", "places", "basis", "law", "rho"},
                             "Data of the equations of some strips at a pose; rho (M,) 1/Pa of the friction residual.");
     structure<StripCells>(
@@ -48,37 +46,6 @@ void bind_system(nb::module_& m) {
         },
         "values"_a, "data"_a, Unlocked(),
         "Rigid slip (S, 2, M) over the speed at the cells, and its derivative 1/m along x.");
-    m.def(
-        "strip_loads",
-        [](Rows values, const StripPlaces& places, const StripBasis& basis, bool rolls) {
-            require(values.shape == std::array{places.middle.size(), basis.block(rolls)}, "values: must be (S, block)");
-            return strip_loads(values, places, basis, rolls);
-        },
-        "values"_a, "places"_a, "basis"_a, "rolls"_a, Unlocked(),
-        "Loads (S, 2) N of strips: lateral tractions, and pressure.");
-    m.def(
-        "resultants",
-        [](Rows values, const EquationData& data) {
-            require_values(values, data);
-            return resultants(values, data);
-        },
-        "values"_a, "data"_a, Unlocked(), "Force N and moment N m about the origin (6,) on the upper body.");
-    m.def(
-        "strip_cells",
-        [](Rows values, const EquationData& data) {
-            require_values(values, data);
-            return strip_cells(values, data);
-        },
-        "values"_a, "data"_a, Unlocked(), "`StripCells` of a state with values (S, block).");
-    m.def(
-        "contact_lines",
-        [](const SurfaceData& surface, const Motion& motion, const Lattice& lattice, double margin, long apart) {
-            require(lattice.middle.size() > 0 && apart > 0, "lattice, apart: at least one strip");
-            return contact_lines(surface, motion, lattice, margin, apart);
-        },
-        "surface"_a, "motion"_a, "lattice"_a, "margin"_a, "apart"_a, Unlocked(),
-        "`ContactLines` of the strips of a lattice; margin m: largest gap between strips that matter; apart: strips "
-        "between those at which the penetration is estimated first.");
     m.def(
         "opening",
         [](double load, double onset, double whole) {
@@ -177,27 +144,6 @@ LiftedPenetration lifted(const SurfaceData& surface, Numbers origin, Rows rotati
 }
 
 void bind_width(nb::module_& m) {
-    m.def(
-        "strips_across",
-        [](Numbers depth, Numbers slenderness) {
-            require(slenderness.size() == depth.size(), "slenderness: must be as long as depth");
-            return strips_across(depth, slenderness);
-        },
-        "depth"_a, "slenderness"_a, Unlocked(),
-        "Number of strips across, counted by their slenderness (K,), by their mean penetrations depth (K,) m, for "
-        "contacts that are wide.");
-    m.def(
-        "strips_beside_bulk",
-        [](Rows values, const EquationData& data, const ContactLines& lines, const Lattice& lattice,
-           Numbers slenderness, const std::vector<BulkCompliance>& bodies) {
-            long K = lines.depth.size();
-            require_values(values, data), require_strips(data.places.strip, K);
-            require(lattice.middle.size() == K && slenderness.size() == K, "lattice, slenderness: must be (K,)");
-            return strips_beside_bulk(values, data, lines, lattice, slenderness, bodies);
-        },
-        "values"_a, "data"_a, "lines"_a, "lattice"_a, "slenderness"_a, "bodies"_a, Unlocked(),
-        "`strips_across` of the penetration less the displacement of finite bodies by the loads of a state with values "
-        "(S, block), after whether their compliance is known there.");
     m.def(
         "maxima",
         [](const SurfaceData& surface, Numbers origin, Rows rotation, Rows lift, Numbers middle, Numbers width,

@@ -15,8 +15,8 @@ void* instance(const Description& of, nb::handle self) {
 
 nb::object value(const Description& of, nb::handle self, std::size_t i) {
     void* kept = instance(of, self);
-    const nb::object& given = of.given(kept);
-    return given.is_valid() ? nb::object(given[i]) : of.types[i]->give(of.field(kept, i));
+    const Holder& held = of.holder(kept);
+    return held.given.is_valid() ? nb::object(held.given[i]) : of.types[i]->give(of.field(kept, i), held.owners);
 }
 
 nb::tuple values(const Description& of, nb::handle self) {
@@ -63,9 +63,14 @@ nb::tuple ordered(const Description& of, const nb::args& first, const nb::kwargs
     throw nb::type_error(text.c_str());
 }
 
+void set_fields(nb::handle made, std::span<const char* const> names) {
+    nb::list all;
+    for (const char* name : names) all.append(name);
+    made.attr("_fields") = nb::tuple(all);
+}
+
 std::string define(const Description* of, nb::handle made) {
     std::string init = "def __init__(self";
-    nb::list listed;
     for (std::size_t i = 0; i < of->fields.size(); ++i) {
         const char* field = of->fields[i];
         std::string text = std::string("def ") + field + "(self) -> " + of->types[i]->name(false);
@@ -73,9 +78,8 @@ std::string define(const Description* of, nb::handle made) {
             nb::cpp_function([of, i](nb::handle self) { return value(*of, self, i); }, nb::is_method(), nb::is_getter(),
                              nb::scope(made), nb::sig(text.c_str())));
         init += std::string(", ") + field + ": " + of->types[i]->name(true);
-        listed.append(field);
     }
-    made.attr("_fields") = nb::tuple(listed);
+    set_fields(made, of->fields);
     nb::cpp_function_def(
         [of](nb::handle self, const nb::kwargs& changes) {
             nb::dict all;

@@ -4,12 +4,13 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/complex.h>
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>
 
-#include "support/core/arrays.hpp"
+#include "support/core/owned.hpp"
 
 namespace wr {
 
@@ -27,10 +28,14 @@ inline void require(bool fits, const char* text) {
     if (!fits) throw nb::value_error(text);
 }
 
-// What Python holds: a structure, and the objects from which it was made; none for one that the core made.
-template <class T>
-struct Kept {
+// What Python holds: a structure, and the objects from which it was made, or, of one that the core made, the owners of
+// its numbers.
+struct Holder {
     nb::object given;
+    Owners owners;
+};
+template <class T>
+struct Kept : Holder {
     T data;
 };
 
@@ -124,7 +129,17 @@ struct type_caster<T> {
     }
     explicit operator T&() { return *value; }
     static handle from_cpp(const T& data, rv_policy, cleanup_list* cleanup) {
-        return Held::from_cpp(wr::Kept<T>{object(), data}, rv_policy::move, cleanup);
+        return Held::from_cpp(wr::Kept<T>{{}, data}, rv_policy::move, cleanup);
+    }
+};
+
+template <wr::Structure T>
+struct type_caster<wr::Owned<T>> {
+    using Held = make_caster<wr::Kept<T>>;
+    static constexpr auto Name = Held::Name;
+
+    static handle from_cpp(const wr::Owned<T>& owned, rv_policy, cleanup_list* cleanup) {
+        return Held::from_cpp(wr::Kept<T>{{object(), owned.owners}, owned}, rv_policy::move, cleanup);
     }
 };
 
@@ -136,7 +151,7 @@ namespace wr {
 // and named there.
 struct FieldType {
     bool (*take)(nb::handle from, void* to);
-    nb::object (*give)(const void* from);
+    nb::object (*give)(const void* from, const Owners& owners);
     std::string (*name)(bool given);
 };
 
@@ -158,7 +173,13 @@ const FieldType field_type{
             *static_cast<F*>(to) = caster.value;
         return true;
     },
-    [](const void* from) { return nb::cast(*static_cast<const F*>(from)); },
+    [](const void* from, [[maybe_unused]] const Owners& owners) {
+        const F& field = *static_cast<const F*>(from);
+        if constexpr (Structure<F>)
+            return nb::cast(Owned<F>(field, owners));
+        else
+            return nb::cast(field);
+    },
     [](bool given) {
         constexpr auto text = nb::detail::make_caster<F>::Name;
         const std::type_info* types[text.type_count() + 1];
@@ -172,7 +193,7 @@ struct Description {
     std::vector<const char*> fields;
     std::vector<const FieldType*> types;
     nb::handle type;
-    const nb::object& (*given)(void* kept);
+    const Holder& (*holder)(void* kept);
     const void* (*field)(void* kept, std::size_t number);
 
     // Raises TypeError that names the field.
@@ -184,6 +205,9 @@ auto addresses(T& data) {
     return std::apply([](auto&... field) { return std::array{const_cast<void*>((const void*)&field)...}; },
                       data.fields());
 }
+
+// Names of the fields of a class, from whose values it is made, as of named tuples.
+void set_fields(nb::handle made, std::span<const char* const> names);
 
 // What a structure's class has: its fields, read-only, and copies and pickles by them. Text of what makes one.
 std::string define(const Description* of, nb::handle made);
@@ -205,7 +229,7 @@ nb::class_<Kept<T>> structure(nb::module_& m, const char* name, const char* cons
         {fields, fields + N},
         types,
         made,
-        [](void* kept) -> const nb::object& { return static_cast<Kept<T>*>(kept)->given; },
+        [](void* kept) -> const Holder& { return *static_cast<Kept<T>*>(kept); },
         [](void* kept, std::size_t i) -> const void* { return addresses(static_cast<Kept<T>*>(kept)->data)[i]; }};
     std::string init = define(of, made);
     made.def(
@@ -216,7 +240,7 @@ nb::class_<Kept<T>> structure(nb::module_& m, const char* name, const char* cons
             of->take(given, addresses(data).data());
             if constexpr (requires { data.fits(); })
                 if (!data.fits()) throw nb::value_error((of->name + ": lengths or indices do not fit").c_str());
-            new (self) Kept<T>{given, std::move(data)};
+            new (self) Kept<T>{{given, {}}, std::move(data)};
         },
         nb::sig(init.c_str()));
     return made;

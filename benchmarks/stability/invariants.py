@@ -6,15 +6,12 @@ import numpy as np
 
 from benchmarks.stability.depth_estimate import penetration_outside
 from benchmarks.stability.sample import SampledCase
+from wheelrail.bindings._contact import LatticeProblem, opening, penetration
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.lattice.influence.basis import equal_cells
-from wheelrail.contact.models.lattice.levels import LevelSolutions
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.models.lattice.solver.entry import remaining_penetration
-from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.states import LatticeState, states_of
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.support.arrays import Array
@@ -113,11 +110,8 @@ def _levels(
     pose: Pose, motion: RigidMotion, result: ContactResult, model: LatticeContact
 ) -> list[tuple[LatticeProblem, LatticeState]]:
     """Equations and their solution on strips of each width."""
-    start = result.warm_start
-    levels = {0: start} if isinstance(start, LatticeSolution) else {}
-    if isinstance(start, LevelSolutions):
-        levels = {level: own for level, own in zip(start.levels, start.solutions, strict=True) if own is not None}
-    return [(model.on(level).problem(pose, motion), solution.state) for level, solution in levels.items()]
+    levels = states_of(result.warm_start).items()
+    return [(model.on(level).problem(pose, motion), state) for level, state in levels]
 
 
 def _friction(
@@ -149,20 +143,28 @@ def _mean_of_lesser(t: Array, bounds: Array) -> Array:
 
 def _level(problem: LatticeProblem, state: LatticeState) -> tuple[Array, float, Array]:
     """Values of `_strips` on strips of one width."""
-    x = (state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles).ravel()
-    middle, width = (np.repeat(v[state.strips], problem.cells) for v in (problem.middle, problem.width))
+    marks, places = problem.basis.marks, problem.of(state.strips).places
+    x = (state.ends[:, :1] + np.diff(state.ends) * 0.5 * (marks[1:] + marks[:-1])).ravel()
+    cells = len(marks) - 1
+    middle, width = (np.repeat(values, cells) for values in (places.middle, places.width))
+
+    def undeformed(s: Array) -> Array:
+        at = problem.motion
+        return penetration(problem.surface, at.origin, at.rotation, s, x).depth
+
     depth = sum(
-        (weight / 6 * problem.penetration(middle + k * width, x).depth for k, weight in ((-0.5, 1), (0, 4), (0.5, 1))),
+        (weight / 6 * undeformed(middle + k * width) for k, weight in ((-0.5, 1), (0, 4), (0.5, 1))),
         np.zeros(len(x)),
     )
-    depth += np.repeat(problem.openings(state), problem.cells)
-    at_middles = problem.penetration(middle, x).depth
+    gaps = [opening(*strip)[0] for strip in zip(state.load, places.onset, places.whole, strict=True)]
+    depth += np.repeat(gaps, cells)
+    at_middles = undeformed(middle)
     free = np.setdiff1d(problem.candidates, state.strips)
     if not len(free):
         return depth, 0.0, at_middles
-    place, bend = (values[free] for values in problem.crest)
-    half = np.sqrt(2 * problem.depth[free] / bend)
-    remaining = remaining_penetration(problem, state, free, place - half, place + half, cells=PROBES)
+    place, half = problem.lines.x[free], np.sqrt(2 * problem.depth[free] / problem.lines.curvature[free])
+    ends = (place - half).tolist(), (place + half).tolist()
+    remaining = problem.remaining_penetration(state.strips, state.values, free.tolist(), *ends, PROBES)
     return depth, max(float(remaining.max()), 0.0), at_middles
 
 

@@ -55,8 +55,8 @@ MAY_IMPORT |= {
     | {"contact.elasticity", "contact.elasticity.waveguide", "contact.solvers", "meshes.curves", "meshes.profiles"},
 }
 _LATTICE = MAY_IMPORT["contact.models.lattice.influence"]
-for _index, _name in enumerate(("influence", "system", "solver", "derivatives", "")):
-    _lower = {f"contact.models.lattice.{lower}" for lower in ("influence", "system", "solver", "derivatives")[:_index]}
+for _index, _name in enumerate(("influence", "system", "")):
+    _lower = {f"contact.models.lattice.{lower}" for lower in ("influence", "system")[:_index]}
     MAY_IMPORT[f"contact.models.lattice.{_name}".rstrip(".")] = _LATTICE | _lower
 MAY_IMPORT["contact.models"] = {
     "contact.analytical",

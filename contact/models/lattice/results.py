@@ -1,58 +1,76 @@
-"""Result of a contact on a lattice in the frame of the rail, on the cells of its strips."""
+"""Result of a contact on a lattice in the frame of the rail, on the cells of its strips.
+
+Between two levels fields are those of both side by side, cells with their share of the area: sums over areas are those
+of the force.
+"""
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import fields, replace
 
 import numpy as np
 
-from wheelrail.bindings._contact import patch_rows, resultants, strip_cells
-from wheelrail.contact.kinematics.contact_points import OutsideSurface
-from wheelrail.contact.models.lattice.derivatives.tangent import LatticeTangent
-from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
-from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.bindings._contact import LatticeOutcome, LatticeResult
 from wheelrail.contact.results.patch_sums import patches_of
-from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
+from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Statistics
 from wheelrail.contact.solvers.tangent import ContactTangent
 
 
-def contact_result(problem: LatticeProblem, solution: LatticeSolution, statistics: Statistics) -> ContactResult:
+def contact_result(done: LatticeResult) -> ContactResult:
     """Forces, patches, fields and tangent of a solution; all but the forces are computed when first needed."""
-    state = solution.state
-    load = resultants(state.values, problem.of(state.strips))
+    if not done.ok:
+        return replace(ContactResult.failed(done.failure, done.approach), warm_start=done.start)
+    if done.separated:
+        return replace(ContactResult.separated(done.approach), warm_start=done.start)
+    load = done.load
     return ContactResult(
         force=load[:3],
         moment=load[3:],
-        patches=LazyPatches(partial(_patches, problem, state)),
-        fields=LazyFields(partial(_fields, problem, state)),
-        approach=problem.approach,
+        patches=LazyPatches(lambda: patches_of(done.patches())),
+        fields=LazyFields(lambda: _fields(done)),
+        approach=done.approach,
         status="converged",
-        statistics=statistics,
-        force_tangent=ContactTangent(LatticeTangent(problem, solution)),
-        warm_start=solution,
+        statistics=Statistics(
+            newton=done.newton,
+            linear=done.evaluations,
+            points=done.points,
+            residual=done.residual,
+            seconds={"solve": done.seconds},
+        ),
+        force_tangent=ContactTangent(done),
+        warm_start=done.start,
     )
 
 
-def _patches(problem: LatticeProblem, state: LatticeState) -> tuple[Patch, ...]:
-    """Patches of a state, by decreasing load. Raises OutsideSurface."""
-    bodies, modulus = problem.bodies(state.strips), problem.tables.modulus
-    patches = patch_rows(state.values, problem.of(state.strips), bodies, modulus)
-    if not patches.inside:
-        raise OutsideSurface(TOO_LONG)
-    return patches_of(patches.rows)
+def _fields(done: LatticeResult) -> Fields:
+    """Fields at the cells of all levels. Raises OutsideSurface."""
+    parts = []
+    shares = done.share, 1.0 - done.share
+    for level, numbers, share in zip(done.levels, done.patch_numbers(), shares, strict=False):
+        if level.solution is None:
+            continue
+        own = _of_level(level)
+        if len(done.levels) > 1:
+            patch, part = np.array(numbers, dtype=int)[own.patch], np.full(len(own.area), share)
+            own = replace(own, patch=patch, area=share * own.area, share=part)
+        parts.append(own)
+    if len(done.levels) == 1:
+        return parts[0]
+    whole = {
+        part.name: np.concatenate([getattr(own, part.name) for own in parts])
+        for part in fields(Fields)
+        if part.name not in ("node", "sticks")
+    }
+    return Fields(node=np.arange(len(whole["area"])), sticks=None, **whole)
 
 
-def _fields(problem: LatticeProblem, state: LatticeState) -> Fields:
-    """Fields at the cells of a state. Raises OutsideSurface."""
-    cells = strip_cells(state.values, problem.of(state.strips))
-    if not cells.inside:
-        raise OutsideSurface(TOO_LONG)
+def _of_level(at: LatticeOutcome) -> Fields:
+    """Fields at the cells of one level. Raises OutsideSurface."""
+    cells = at.cells()
     points = cells.points
     return Fields(
         node=np.arange(len(points.area)),
-        patch=np.repeat(cells.patch, problem.cells),
+        patch=np.repeat(cells.patch, len(points.area) // len(cells.patch)),
         point=points.point,
         axes=points.axes,
         area=points.area,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -82,3 +84,29 @@ def test_a_contact_at_the_end_of_a_file_is_named(tmp_path: Path) -> None:
         status = model(pose, motion, None).status
         assert status.startswith("failed: the wheel overlaps the rail ")
         assert "mm deep at y = " in status
+
+
+def test_the_last_point_of_a_wheel_touches_before_any_strip(tmp_path: Path) -> None:
+    """Its overlap is less than what a strip resolves as a mean over its width: no strip penetrates, but no gap is."""
+    y = np.linspace(-30e-3, 30e-3, 1201)
+    np.savetxt(tmp_path / "disc.txt", 1e3 * np.column_stack([y, np.sqrt(1.0 - y**2) - 1.0]), fmt="%.9f")
+    wheel, rail, steel = wr.profile(tmp_path / "disc.txt", "wheel", noise=0.0), wr.profile("60E1"), Material()
+    mounting = Mounting(0.75, 0.7535, 0.46)
+    rigid = RigidWheelRail(wheel, rail, 0.46)
+    model = wheel_rail_pair(
+        (wheel, rail),
+        0.46,
+        (steel, steel),
+        ContactLaws(friction=0.0),
+        Discretisation(1e-3, bodies="half-space", strips=6),
+    )
+    dense = DenseSurfaces(wheel, rail, 0.46)
+    touching = WheelsetState(y=45e-3, z=0.0)
+    for _ in range(3):
+        touching = replace(touching, z=touching.z + rigid.nearest(mounting.left_pair(touching)[0])[1])
+    for lift in (2e-6, -1e-6, -4e-6, -8e-6):
+        pose, motion = mounting.left_pair(replace(touching, z=touching.z + lift))
+        overlap = dense.overlaps(pose)[1].max(initial=0.0)
+        assert overlap == pytest.approx(max(-lift, 0.0), abs=3e-7)
+        status = model(pose, motion, None).status
+        assert (status == "separated") if lift > 0 else re.search(r"mm deep at y = -(29\.9|30\.0), ", status), status

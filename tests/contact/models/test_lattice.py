@@ -16,8 +16,11 @@ from wheelrail.bindings._contact import (
     MODES,
     MOMENTS,
     SLOPES,
+    Evaluation,
+    LatticeSolution,
+    LatticeStart,
     Linearisation,
-    advance,
+    evaluate,
     factorised,
     linearised,
     newton_step,
@@ -35,20 +38,19 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
+from wheelrail.contact.models.lattice import model as lattice_model
 from wheelrail.contact.models.lattice.influence.basis import strip_basis
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
-from wheelrail.contact.models.lattice.solver import newton
-from wheelrail.contact.models.lattice.solver.factors import NO_FACTORS, lapack
-from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.states import LatticeState, states_of
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.contact.solvers.tractions import solve_tractions
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
-from wheelrail.support.interrupts import deferred_interrupts
+from wheelrail.support.interrupts import check_interrupt, deferred_interrupts
+from wheelrail.support.lapack import lapack
 from wheelrail.support.memory import TooLarge
 
 STEEL = Material()
@@ -96,8 +98,8 @@ def rolling(y: float, z: float, yaw: float = 0.0, creepage: float = 0.0) -> Whee
 
 
 def start(result: ContactResult) -> LatticeState:
-    assert isinstance(result.warm_start, LatticeSolution)
-    return result.warm_start.state
+    (state,) = states_of(result.warm_start).values()
+    return state
 
 
 def test_modes_vanish_at_the_ends_and_carry_their_load() -> None:
@@ -131,9 +133,7 @@ def test_jacobian_of_all_unknowns(y: str, friction: float) -> None:
     direction = (scale * random.standard_normal(scale.shape)).ravel()
     step = 1e-3
     ahead, behind = (
-        problem.evaluate(
-            LatticeState(at.strips, at.values + sign * step * direction.reshape(scale.shape))
-        ).residual.ravel()
+        evaluate(at.values + sign * step * direction.reshape(scale.shape), problem.of(at.strips)).residual.ravel()
         for sign in (1, -1)
     )
     expected = (ahead - behind) / (2 * step)
@@ -199,15 +199,16 @@ def test_slip_by_pressure_on_unlike_spheres(swapped: bool) -> None:
         model, expected = unlike(1e-7, (0.4, 0.4), M, swapped=swapped)
         pose = hertz_pose(expected.approach)
         problem, state = model.problem(pose, flowing()), start(model(pose, flowing(), None))
-        evaluation = problem.evaluate(state)
+        data = problem.of(state.strips)
+        evaluation, places = evaluate(state.values, data), data.places
         slip = evaluation.slip - rigid_slip(state.values, problem.of(state.strips))[0]
         length = np.diff(state.ends) * np.diff(problem.basis.marks)
-        weight = evaluation.pressure * length * problem.width[state.strips, None]
+        weight = evaluation.pressure * length * places.width[:, None]
         weight /= weight.sum()
         first, second = ((1 - 2 * m.nu) * (1 + m.nu) / m.E for m in (UNLIKE[::-1] if swapped else UNLIKE))
         strain = (first - second) * expected.peak
-        x = state.ends[:, :1] + np.diff(state.ends) * problem.cell_middles
-        y = np.broadcast_to(problem.middle[state.strips, None], x.shape)
+        x = state.ends[:, :1] + np.diff(state.ends) * 0.5 * (problem.basis.marks[1:] + problem.basis.marks[:-1])
+        y = np.broadcast_to(places.middle[:, None], x.shape)
         exact = contraction_slip(x, y, strain, expected.semi_axes[0])
         rms = np.sqrt((weight[:, None] * (slip - exact) ** 2).sum(axis=(0, 2)))
         assert rms.max() < 0.02 * abs(strain)
@@ -351,14 +352,13 @@ def test_memory_and_time_are_told_before_or_refused(
 def test_ctrl_c_ends_newtons_method_at_its_next_step(monkeypatch: pytest.MonkeyPatch) -> None:
     steps = []
 
-    def interrupted(values: Array, *arguments: Any) -> Any:
-        steps.append(len(values))
+    def interrupted() -> None:
+        steps.append(1)
         os.kill(os.getpid(), signal.SIGINT)
-        return advance(values, *arguments)
+        check_interrupt()
 
-    contact = ellipse(0.3)
-    monkeypatch.setattr(newton, "advance", interrupted)
-    monkeypatch.setattr(newton, "UNINTERRUPTED", 0.0)
+    contact = replace(ellipse(0.3), resolution=LatticeResolution(16, 20))
+    monkeypatch.setattr(lattice_model, "check_interrupt", interrupted)
     with pytest.raises(KeyboardInterrupt), deferred_interrupts():
         contact(hertz_pose(exact().approach), flowing(1e-3), None)
     assert len(steps) == 1
@@ -425,17 +425,20 @@ def test_a_warm_start_of_another_resolution_is_not_used() -> None:
     contact, earlier = ellipse(0.3), warm_start()
     place, motion = hertz_pose(exact().approach), flowing(1e-3)
     cold = contact(place, motion, None)
-    some = np.arange(len(earlier.state.strips)) > 0
-    for part in (LatticeState(earlier.state.strips, earlier.state.values[:, 1:]), earlier.state.at(some)):
-        result = contact(place, motion, ContactResult.guess(LatticeSolution(part, earlier.factors)))
+    parts = (earlier.strips, earlier.values[:, 1:].copy()), (earlier.strips[1:], earlier.values[1:])
+    for part in (*parts, (earlier.strips + 10**6, earlier.values)):
+        guess = LatticeStart([0], [LatticeSolution(*part, earlier.factors)], None)
+        result = contact(place, motion, ContactResult.guess(guess))
         assert result.ok
         np.testing.assert_allclose(result.force, cold.force, atol=1e-6 * LOAD)
 
 
 def warm_start() -> LatticeSolution:
     earlier = ellipse(0.3)(hertz_pose(exact().approach), flowing(1e-3), None).warm_start
-    assert isinstance(earlier, LatticeSolution)
-    return earlier
+    assert isinstance(earlier, LatticeStart)
+    (solution,) = earlier.solutions
+    assert solution is not None
+    return solution
 
 
 @pytest.mark.parametrize("smallest", [1e-3, 1e-9])
@@ -446,7 +449,8 @@ def test_solutions_are_refined_to_double_precision(smallest: float) -> None:
     left, right = (np.linalg.qr(random.standard_normal((n, n)))[0] for _ in range(2))
     scaled = left @ np.diag(np.geomspace(1.0, smallest, n)) @ right
     slips, slopes = np.zeros((strips, 2 * cells, n), dtype=np.float32), np.zeros((strips, cells, SLOPES))
-    evaluation = NO_FACTORS.evaluation
+    nothing = *(np.zeros((0, 2, 0)),) * 2, np.zeros((0, 0))
+    evaluation = Evaluation(False, np.zeros((0, 0)), np.zeros((0, 0, 3)), np.zeros((0, 0)), *nothing)
     at = Linearisation(evaluation, np.eye(n), slips, slopes)
     empty = factorised(at, lapack())[1]
     jacobian = scaled / (empty.rows[:, None] * empty.columns)

@@ -23,7 +23,6 @@ from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
 from wheelrail.contact.models.lattice.influence.basis import rolling_marks
-from wheelrail.contact.models.lattice.influence.pair_tables import LatticeTables
 from wheelrail.contact.models.lattice.influence.slip_difference import upstream
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
@@ -92,8 +91,8 @@ def test_cells_of_any_size_and_position(bodies: Bodies, place: float) -> None:
     # a cell and its neighbours, against Boussinesq's and Cerruti's closed forms at 8 x 8 points of each
     fine, width, length = 8, 1.5e-3, 0.4e-3
     edges = length * np.arange(4)
-    pairs = LatticeTables(pair(bodies=bodies).operators, 1e-3 * place + width * np.arange(3))
-    tables = pairs.of(np.arange(2), pairs.at(np.arange(2), None, 5e-3))
+    pairs = pair(bodies=bodies).operators.tables(1e-3 * place + width * np.arange(4))
+    tables = pairs.of(np.arange(2), np.arange(3) < 2, np.zeros(3), 5e-3)
     found = np.empty((2, 2, 8, 3, 3))
     for i, j in ((0, 0), (0, 1), (1, 1)):
         G, slope = np.empty((4, 4, 8)), np.empty((4, 4, 8))

@@ -87,8 +87,26 @@ struct Array : View<T, N> {
         requires(sizeof...(I) == N)
     explicit Array(I... sizes) : Array(std::array<long, N>{long(sizes)...}) {}
 
+    // One whose numbers must be set, and one of zeros that take no memory until they are changed.
+    static Array unset(const std::array<long, N>& sizes) {
+        Array a;
+        a.shape = sizes;
+        constexpr std::align_val_t line{64};
+        a.owner.reset(new (line) T[a.count()], [](T* p) { ::operator delete[](p, line); });
+        a.data = a.owner.get();
+        return a;
+    }
+    static Array sparse(const std::array<long, N>& sizes) {
+        Array a;
+        a.shape = sizes;
+        auto* zeros = static_cast<T*>(std::calloc(std::max(a.count(), 1L), sizeof(T)));
+        if (!zeros) throw std::bad_alloc();
+        a.owner.reset(zeros, [](T* p) { std::free(p); });
+        a.data = zeros;
+        return a;
+    }
     static Array copy(const View<const T, N>& from) {
-        Array a(from.shape);
+        Array a = unset(from.shape);
         std::copy(from.begin(), from.end(), a.begin());
         return a;
     }

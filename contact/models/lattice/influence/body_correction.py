@@ -1,4 +1,4 @@
-"""Deviation of finite bodies from half-spaces: tables between lines of the surface, and their means over strips.
+"""Deviation of finite bodies from half-spaces: tables between lines of the surface.
 
 The deviation is smooth over the surface and along x, so that tables on coarse cells and linear interpolation between
 the lines suffice. The mean over a strip of a function that is linear between lines is a continuously differentiable
@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -24,9 +23,7 @@ from wheelrail.bindings._contact import (
     TN,
     TN_TURN,
     BulkCompliance,
-    PairMeans,
-    share_slopes,
-    strip_shares,
+    FiniteBody,
 )
 from wheelrail.contact.elasticity.half_space import cutoff_correction
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
@@ -66,7 +63,7 @@ class BodyCorrection:
         )
 
     @cached_property
-    def _coefficients(self) -> Array:
+    def coefficients(self) -> Array:
         """Coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) between all lines, filled by tiles."""
         lines = len(self.body.arc)
         return aligned((lines, lines, len(self.grid.lower), DEGREE + 1, COMPONENTS))
@@ -83,29 +80,13 @@ class BodyCorrection:
         tiles = -(-len(self.body.arc) // TILE)
         return np.zeros((tiles, tiles), dtype=bool)
 
-    def bulk_compliance(self, moves: bool) -> BulkCompliance:
-        """The same, as far as it is filled; moves: whether strips move on the body."""
-        return BulkCompliance(self.body.arc, self.bulk, self._filled, moves, self._ends)
+    def finite_body(self, moves: bool) -> FiniteBody:
+        """The same for the core, which fills it when needed; moves: whether strips move on the body."""
+        ends = np.array([self.body.bounds[0], self.body.bounds[-1]])
+        bulk = BulkCompliance(self.body.arc, self.bulk, self._filled, moves, ends)
+        return FiniteBody(bulk, self.coefficients, self.fill)
 
-    @cached_property
-    def _ends(self) -> Array:
-        """Ends (2,) m of the lines."""
-        return np.array([self.body.bounds[0], self.body.bounds[-1]])
-
-    def between_lines(self, low: float, high: float) -> tuple[slice, Array]:
-        """Lines that cover an interval of arc length m, and coefficients (ns, ns, cells, DEGREE + 1, COMPONENTS) of all
-        lines, valid between these. Raises OutsideSurface beyond the lines.
-        """
-        first, last = self.body.window(low, high)
-        first, last = max(first - 2, 0), min(last + 2, len(self.body.arc))
-        tiles = slice(first // TILE, -(-last // TILE))
-        if not self._filled[tiles, tiles].all():
-            for i, j in combinations_with_replacement(range(tiles.start, tiles.stop), 2):
-                if not self._filled[i, j]:
-                    self._fill(i, j)
-        return slice(first, last), self._coefficients
-
-    def _fill(self, i: int, j: int) -> None:
+    def fill(self, i: int, j: int) -> None:
         """Fill the coefficients between two tiles."""
         rows, columns = (slice(TILE * k, min(TILE * (k + 1), len(self.body.arc))) for k in (i, j))
         between = self._between(rows, columns)
@@ -113,7 +94,7 @@ class BodyCorrection:
             ((rows, columns), between),
             ((columns, rows), RECIPROCAL * between.swapaxes(0, 1)),
         ):
-            self._coefficients[place] = values
+            self.coefficients[place] = values
             self.bulk[place] = bulk_compliance(values[:, :, 0], 1 / CELLS, START / CELLS)
         self._filled[i, j] = self._filled[j, i] = True
 
@@ -153,19 +134,6 @@ class BodyCorrection:
         """Tangent and normal (n, 2, 2) of lines."""
         tangent = self.body._tangents(self.body.arc[lines])
         return np.stack([tangent, self.outward * np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)], axis=1)
-
-    def shares(self, lines: slice, middle: Array, width: Array) -> Array:
-        """Weights (S, lines) of lines in the means over strips with middles and widths (S,) m."""
-        return strip_shares(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))
-
-    def means(self, middle: Array, width: Array, part: tuple[float, float], cells: int) -> PairMeans:
-        """`pair_means` of strips with middles and widths (C,) m, which cover a part of the body between ends m."""
-        lines, between = self.between_lines(*part)
-        return pair_means(between, lines.start, self.shares(lines, middle, width), cells)
-
-    def share_slopes(self, lines: slice, middle: Array, width: Array) -> Array:
-        """Derivatives (S, lines) 1/m of `shares` by the middles."""
-        return share_slopes(self.body.arc[lines], np.ascontiguousarray(middle), np.ascontiguousarray(width))
 
 
 def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> tuple[Array, Array]:
@@ -220,19 +188,3 @@ def bulk_compliance(coefficients: Array, width: float, length: float) -> Array:
     rise = np.tensordot(coefficients[..., 1:, :], width ** np.arange(1, DEGREE + 1), axes=(-2, 0))
     mean = 2.0 * rise / length**2
     return np.stack([mean[..., TN_TURN] - mean[..., TN], mean[..., NN]], axis=-1)
-
-
-NO_MEANS = PairMeans(
-    np.zeros((0, 0, 0, DEGREE + 1, COMPONENTS)),
-    0,
-    np.zeros((0, 0)),
-    np.zeros((0, 0, DEGREE + 1, COMPONENTS)),
-    np.zeros(0, dtype=np.int64),
-)
-
-
-def pair_means(lines: Array, first: int, share: Array, cells: int) -> PairMeans:
-    """Means over strips with weights (C, n), of the first cells."""
-    pairs = len(share) * (len(share) + 1) // 2
-    values = aligned((pairs, cells, *lines.shape[3:]))
-    return PairMeans(lines, first, share, values, np.zeros(pairs, dtype=np.int64))

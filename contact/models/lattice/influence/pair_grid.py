@@ -49,10 +49,6 @@ class PairGrid:
         octave, k = np.divmod(np.arange(octaves * CELLS), CELLS)
         return cls(start, 2.0**octave * (1 + k / CELLS), 2.0**octave / CELLS)
 
-    def cells_up_to(self, x: float) -> int:
-        """Number of cells up to a distance m."""
-        return min(int(np.searchsorted(self.lower, x / self.start + 1)) + 1, len(self.lower))
-
     @cached_property
     def x(self) -> Array:
         """Distances (n (DEGREE + 1),) m."""

@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
-from wheelrail.contact.elasticity.waveguide.influence import HalfSpaceInfluence
-from wheelrail.contact.geometry.strip_surfaces import StripSurfaces
+import numpy as np
+
+from wheelrail.bindings._contact import FiniteBody, HalfSpaces, LatticeStrips, LatticeTables
+from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
+from wheelrail.contact.geometry.strip_lattice import slenderness
+from wheelrail.contact.geometry.strip_surfaces import QuadricStrips, StripSurfaces
+from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, BodyCorrection
+from wheelrail.contact.models.lattice.influence.pair_grid import RULE
+from wheelrail.support.arrays import Array
 
 TOO_LONG = "the patch is longer than the tables of influence"
 
@@ -21,3 +29,42 @@ class StripOperators:
     surfaces: StripSurfaces
     upper: HalfSpaceInfluence
     lower: HalfSpaceInfluence
+
+    @property
+    def finite(self) -> bool:
+        """Whether a body differs from a half-space."""
+        return any(body is not None for body in self.bodies)
+
+    @cached_property
+    def bodies(self) -> tuple[FiniteBody | None, FiniteBody | None]:
+        """Deviations of both bodies from half-spaces; None of a half-space."""
+        upper, lower = (
+            BodyCorrection(body, outward).finite_body(moves) if isinstance(body, ElementInfluence) else None
+            for body, outward, moves in zip((self.upper, self.lower), OUTWARD, (False, self._moves), strict=True)
+        )
+        return upper, lower
+
+    @property
+    def _moves(self) -> bool:
+        """Whether strips move on the lower body."""
+        return not isinstance(self.surfaces, QuadricStrips)
+
+    def tables(self, sides: Array, rolls: bool = True) -> LatticeTables:
+        """Tables of pairs of strips.
+
+        Parameters:
+            sides: (K + 1,) m, lateral bounds of the strips on the upper body.
+            rolls: whether displacements along x count by their slip, which contains u_r / R.
+        """
+        middle, bodies = 0.5 * (sides[1:] + sides[:-1]), (self.upper, self.lower)
+        tangent = self.upper._tangents(middle)
+        strips = LatticeStrips(sides, np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0])), self.surfaces.along(middle))
+        radius = self.upper.radius if rolls and self.bodies[0] is not None else None
+        spaces = HalfSpaces(
+            np.array([body.nu for body in bodies]),
+            np.array([body.scale * body.unit for body in bodies]),
+            np.array(OUTWARD),
+            radius or 0.0,
+        )
+        slender = slenderness(self.surfaces, middle)
+        return LatticeTables(strips, slender, spaces, RULE, *self.bodies, self._moves)

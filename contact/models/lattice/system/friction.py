@@ -7,31 +7,15 @@ trial state may be negative: their bound is zero.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
+import numpy as np
 
 from wheelrail.bindings._contact import ResidualCode
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.laws.pointwise import FrictionFunctions
 
 
-@dataclass(frozen=True)
-class CellFriction:
-    """Friction law of the cells of S strips with M cells each.
-
-    Parameters:
-        functions: of the law.
-        regularisation: creepage eps.
-    """
-
-    functions: FrictionFunctions
-    regularisation: float
-
-    @classmethod
-    def of(cls, laws: ContactLaws) -> CellFriction:
-        return cls(laws.pointwise_friction, laws.regularisation)
-
-    @cached_property
-    def code(self) -> ResidualCode:
-        """The same for the core."""
-        return ResidualCode(self.functions.code, self.functions.parameters, self.regularisation)
+def residual_code(laws: ContactLaws) -> ResidualCode:
+    """The residual F (2, n) Pa and its slopes for the core."""
+    if not laws.frictional:
+        return ResidualCode(None, np.zeros(0), 0.0)
+    functions = laws.pointwise_friction
+    return ResidualCode(functions.code, functions.parameters, laws.regularisation)

@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 from wheelrail.bindings._contact import (
+    LatticeProblem,
+    LatticeSolution,
+    LatticeStart,
     chords,
     evaluate,
     factorised,
@@ -24,10 +27,8 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.models.lattice.solver.factors import lapack
-from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem
 from wheelrail.support.arrays import Array
+from wheelrail.support.lapack import lapack
 
 STEEL = Material(2.1e11, 0.3)
 ROLLING = RigidMotion(*(Twist(np.array([v, 0.0, 0.0]), np.zeros(3), np.zeros(3)) for v in (-0.9995, -1.0005)))
@@ -46,15 +47,17 @@ def model() -> LatticeContact:
 def solution(model: LatticeContact, depth: float) -> tuple[LatticeProblem, LatticeSolution]:
     """Equations at an approach m, and their solution with factors of the Jacobian there."""
     problem = model.problem(hertz_pose(depth), ROLLING)
-    found = model.solve(problem).warm_start
-    assert isinstance(found, LatticeSolution)
-    found.factors = factorised(linearised(found.state.values, problem.of(found.state.strips)), lapack())[1]
+    start = model.solve(problem).warm_start
+    assert isinstance(start, LatticeStart)
+    (found,) = start.solutions
+    assert found is not None
+    found.factors = factorised(linearised(found.values, problem.of(found.strips)), lapack())[1]
     return problem, found
 
 
 def broyden(values: Array, problem: LatticeProblem, start: LatticeSolution, evaluations: int) -> tuple[Array, Array]:
     """State and next step (S, block) after some residuals, with explicit updates of the dense Jacobian."""
-    data = problem.of(start.state.strips)
+    data = problem.of(start.strips)
     shape, whole = values.shape, data.places.whole
     unit = np.eye(values.size).reshape(-1, *shape)
     weight = np.array([inner_product(values, part, part) for part in unit])
@@ -86,8 +89,8 @@ def start_jacobian(start: LatticeSolution) -> Array:
 def test_steps_are_those_of_explicit_rank_one_updates(model: LatticeContact) -> None:
     _, start = solution(model, DEPTH)
     problem, _ = solution(model, 1.02 * DEPTH)
-    values = start.state.values
-    steps = chords(values, problem.of(start.state.strips), start.factors, lapack(), 1e-6, np.inf)
+    values = start.values
+    steps = chords(values, problem.of(start.strips), start.factors, lapack(), 1e-6, np.inf)
     assert steps.converged
     assert steps.evaluations >= 3
     expected, step = broyden(values, problem, start, steps.evaluations)
@@ -98,18 +101,18 @@ def test_steps_are_those_of_explicit_rank_one_updates(model: LatticeContact) -> 
 def test_updates_save_residuals(model: LatticeContact) -> None:
     """Against the same factors without updates, from several approaches to another one."""
     problem, here = solution(model, DEPTH)
-    data, updated, plain = problem.of(here.state.strips), 0, 0
+    data, updated, plain = problem.of(here.strips), 0, 0
     for nearby in (0.95, 0.97, 1.01, 1.03):
         _, start = solution(model, nearby * DEPTH)
-        values = start.state.values
+        values = start.values
         steps = chords(values, data, start.factors, lapack(), 1e-8, np.inf)
         assert steps.converged
         final = moved(steps.values, steps.step, 1.0, data.places.whole)
-        assert relative_size(final, final - here.state.values)[0] < 1e-7
+        assert relative_size(final, final - here.values)[0] < 1e-7
         updated += steps.evaluations
         plain += 1
         step = newton_step(start.factors, lapack(), evaluate(values, data).residual)
-        while relative_size(start.state.values, step)[0] >= 1e-8:
+        while relative_size(start.values, step)[0] >= 1e-8:
             values = moved(values, step, 1.0, data.places.whole)
             step = newton_step(start.factors, lapack(), evaluate(values, data).residual)
             plain += 1
@@ -121,13 +124,13 @@ def test_steps_that_contract_slowly_end(model: LatticeContact) -> None:
     problem, here = solution(model, DEPTH)
     _, start = solution(model, 1.01 * DEPTH)
     factors = start.factors._replace(columns=0.4 * start.factors.columns)
-    steps = chords(start.state.values, problem.of(here.state.strips), factors, lapack(), 1e-8, np.inf)
+    steps = chords(start.values, problem.of(here.strips), factors, lapack(), 1e-8, np.inf)
     assert not steps.converged
     assert steps.first > CONTRACTION
     assert steps.evaluations == 2
 
 
 def test_the_inner_product_is_that_of_the_norm(model: LatticeContact) -> None:
-    values = solution(model, DEPTH)[1].state.values
+    values = solution(model, DEPTH)[1].values
     step = np.random.default_rng(1).standard_normal(values.shape) * np.abs(values)
     assert inner_product(values, step, step) == pytest.approx(relative_size(values, step)[1] ** 2)

@@ -21,14 +21,10 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.influence.basis import Tangential, equal_cells, strip_basis
-from wheelrail.contact.models.lattice.model import ITERATIONS, START_CELLS, LatticeContact
+from wheelrail.contact.models.lattice.model import START_CELLS, LatticeContact
 from wheelrail.contact.models.lattice.resolution import LEAST_CELLS
-from wheelrail.contact.models.lattice.solver.cold_start import cold_start
-from wheelrail.contact.models.lattice.solver.entry import remaining_penetration
-from wheelrail.contact.models.lattice.solver.newton import LatticeNewton, LatticeSolution
-from wheelrail.contact.models.lattice.system.state import LatticeState
+from wheelrail.contact.models.lattice.states import LatticeState, states_of
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.solvers.options import IterationCount
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import LINE, Array
 
@@ -105,15 +101,13 @@ def test_every_start_leads_to_the_same_solution(
 ) -> None:
     model = replace(pair(friction), tolerance=1e-8)
     problem = model.problem(*left(state))
-    count = IterationCount()
-    start = cold_start(problem, model.laws, cells, IterationCount())
-    solution = LatticeNewton(problem, model.tolerance, count).solve(start, ITERATIONS)
-    assert count.newton <= 10
-    expected = model(*left(state)).warm_start.state  # type: ignore[union-attr]
-    np.testing.assert_array_equal(solution.state.strips, expected.strips)
-    np.testing.assert_allclose(solution.state.ends, expected.ends, rtol=0, atol=1e-9)
+    solution, newton = problem.newton(*problem.cold_start(equal_cells(cells, "rolling")), 25)
+    assert newton <= 10
+    found, expected = LatticeState.of(solution), start(model(*left(state)))
+    np.testing.assert_array_equal(found.strips, expected.strips)
+    np.testing.assert_allclose(found.ends, expected.ends, rtol=0, atol=1e-9)
     peak = expected.modes.max()
-    np.testing.assert_allclose(solution.state.tractions, expected.tractions, rtol=0, atol=1e-6 * peak)
+    np.testing.assert_allclose(found.tractions, expected.tractions, rtol=0, atol=1e-6 * peak)
 
 
 @pytest.mark.parametrize(
@@ -221,8 +215,8 @@ def test_friction_closes_a_gap(y: float, z: float, yaw: float) -> None:
     state = start(result)
     assert (problem.depth[state.strips] < -1e-6).any()
     free = np.setdiff1d(np.flatnonzero(problem.lines.near), state.strips)
-    x = problem.lines.x[free]
-    rest = remaining_penetration(problem, state, free, x - 8e-3, x + 8e-3, cells=equal_cells(32))
+    x, own = problem.lines.x[free], (state.strips, state.values, free.tolist())
+    rest = problem.remaining_penetration(*own, (x - 8e-3).tolist(), (x + 8e-3).tolist(), equal_cells(32))
     assert rest.max() < 1e-5 * result.approach
 
 
@@ -367,7 +361,7 @@ def test_split_cells_displace_like_the_modes() -> None:
     strips = np.flatnonzero(np.isclose(width, width.min()))[:2]
     length, rows = 27e-3, np.linspace(8e-3, 14e-3, 25)
     near = np.isin(np.arange(len(width)), strips)
-    tables = model.tables.of(strips, model.tables.at(near, model.tables.middle, length))
+    tables = model.tables.of(strips, near, model.tables.middle, length)
 
     def displacement(edges: Array, jumps: Array) -> Array:
         G = np.empty((len(rows), len(edges)))
@@ -398,7 +392,7 @@ def test_normal_component_of_tables(bodies: Literal["half-space", "waveguide"]) 
     strips = carried[len(carried) // 2 - 1 :][:3]  # on the lines of both bodies
     first, last = int(strips[0]), int(strips[-1])
     near = np.isin(np.arange(len(model.tables.width)), strips)
-    tables = model.tables.of(strips, model.tables.at(near, model.tables.middle, length))
+    tables = model.tables.of(strips, near, model.tables.middle, length)
     for values in (tables.values, tables.smooth.values):
         assert values.size == 0 or values.ctypes.data % LINE == 0  # of the cache
     rows, columns = np.linspace(-4e-3, 4e-3, 9), np.linspace(-3e-3, 4.5e-3, 12)
@@ -442,8 +436,8 @@ def test_largest_remaining_penetration_by_means_over_cells() -> None:
 
 
 def start(result: ContactResult) -> LatticeState:
-    assert isinstance(result.warm_start, LatticeSolution)
-    return result.warm_start.state
+    (state,) = states_of(result.warm_start).values()
+    return state
 
 
 def test_strips_leave_by_the_prediction_of_a_moderate_step() -> None:

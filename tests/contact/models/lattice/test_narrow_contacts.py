@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NoReturn
 
 import numpy as np
 import pytest
 from test_lattice import STEEL, flowing, rolling, wheelset
 
-from wheelrail.bindings._contact import maxima, penetrated_width
+from wheelrail.bindings._contact import (
+    BulkDisplacement,
+    LatticeProblem,
+    LatticeStart,
+    level_shares,
+    maxima,
+    penetrated_width,
+)
 from wheelrail.contact.analytical.hertz import Hertz, axis_stress, hertz, modulus
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.friction import FallingFriction
@@ -17,20 +23,16 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
-from wheelrail.contact.models.lattice import levels
-from wheelrail.contact.models.lattice.bulk_displacement import NONE, BulkDisplacement
-from wheelrail.contact.models.lattice.levels import ENOUGH, ORDINARY, LevelSolutions, least_strips, level_shares
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
-from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
-from wheelrail.contact.models.lattice.system.problem import LatticeProblem
-from wheelrail.contact.models.lattice.system.surface import motion_data
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.stress.subsurface import LoadedBody
 from wheelrail.support.arrays import Array
 from wheelrail.support.plain_data import decode, encode
 
 HEAVY = 60e3  # N, load for which the strips are chosen
+NONE = np.zeros((2, 1))  # lift
+ENOUGH = 4 / 3  # of the least strips across, from which on one level counts alone
 TREAD, FLANGE = (-5.455e-3, -2.53e-4), (6.430e-3, 7.62e-4)  # lateral position m, height m where the surfaces touch
 
 
@@ -52,16 +54,22 @@ def wheel(bodies: Bodies) -> LatticeContact:
 
 
 def levels_of(result: ContactResult) -> tuple[int, ...]:
-    return result.warm_start.levels if isinstance(result.warm_start, LevelSolutions) else (0,)
+    assert isinstance(result.warm_start, LatticeStart)
+    return tuple(result.warm_start.levels)
 
 
 def across(problem: LatticeProblem) -> tuple[float, Array]:
     """Strips across the penetration, and their derivative by the pose."""
-    at = motion_data(problem.pose, problem.motion, 1.0)
-    lattice = problem.surface, at.origin, at.rotation, NONE, problem.middle, problem.width
-    counted = *lattice[:-1], problem.width * problem.tables.slenderness
+    at, strips = problem.motion, problem.lattice
+    lattice = problem.surface, at.origin, at.rotation, NONE, strips.middle, strips.width
+    counted = *lattice[:-1], strips.width * problem.tables.slenderness
     number, slopes = penetrated_width(*counted, *maxima(*lattice, problem.depth), True)
     return number, slopes[:6]
+
+
+def least_strips(strips: int) -> float:
+    """Across the penetration, for a number of strips over a usual patch."""
+    return max(strips / 2, 2.5)
 
 
 def load(model: LatticeContact, pose: Pose, motion: RigidMotion, shift: Array) -> Array:
@@ -152,11 +160,12 @@ def strips_across(bodies: Bodies, depth: float) -> tuple[float, float]:
     pose, motion = wheelset(0.3, bodies).mounting.left_pair(rolling(FLANGE[0], FLANGE[1] - depth, 5e-3, 1e-3))
     problem = model.problem(pose, motion)
     result = model.solve(problem)
-    assert isinstance(result.warm_start, LatticeSolution)
-    lift = BulkDisplacement(problem, result.warm_start).lift
-    at = motion_data(pose, motion, 1.0)
-    surfaces, lattice = (problem.surface, at.origin, at.rotation, lift), (problem.middle, problem.width)
-    pieces = maxima(*surfaces, *lattice, problem.depth - np.interp(problem.middle, *lift))
+    assert isinstance(result.warm_start, LatticeStart)
+    (solution,) = result.warm_start.solutions
+    lift = BulkDisplacement(problem, solution).lift
+    at, strips = problem.motion, problem.lattice
+    surfaces, lattice = (problem.surface, at.origin, at.rotation, lift), (strips.middle, strips.width)
+    pieces = maxima(*surfaces, *lattice, problem.depth - np.interp(strips.middle, *lift))
     return penetrated_width(*surfaces, *lattice, *pieces, False)[0], float(np.linalg.norm(result.force))
 
 
@@ -266,8 +275,8 @@ def test_resumed_solves_between_levels_are_the_same(between: tuple[Pose, Contact
     motion = wheelset(0.3, "waveguide").mounting.left_pair(rolling(*TREAD, 5e-3, 1e-3))[1]
     moved = replace(pose, origin=pose.origin - [0, 0, 2e-8])
     result.tangent()
-    stored = decode(encode(result.warm_start), ("wheelrail.bindings", "wheelrail.contact"))
-    assert isinstance(stored, LevelSolutions)
+    stored = decode(encode(result.warm_start), ("wheelrail.bindings",))
+    assert isinstance(stored, LatticeStart)
     resumed, uninterrupted = (model(moved, motion, ContactResult.guess(start)) for start in (stored, result.warm_start))
     cold = model(moved, motion)
     assert levels_of(resumed) == levels_of(result)
@@ -277,15 +286,11 @@ def test_resumed_solves_between_levels_are_the_same(between: tuple[Pose, Contact
 
 
 @pytest.mark.parametrize("strips", [10, 14])
-def test_wide_contacts_need_no_exact_width(strips: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refused(*_: object) -> NoReturn:
-        raise AssertionError("an exact width is computed")
-
-    monkeypatch.setattr(levels, "maxima", refused)
+def test_wide_contacts_are_on_ordinary_strips(strips: int) -> None:
     model = replace(wheel("half-space"), resolution=LatticeResolution(strips, 12))
     for y, height in ((-5.455e-3, -0.353e-3), (4.79e-3, 0.13e-3), (6.43e-3, 0.602e-3)):  # 50 to 100 kN
         problem = model.problem(*wheelset(0.3).mounting.left_pair(rolling(y, height)))
-        assert level_shares(problem, strips) is ORDINARY
+        assert level_shares(problem, strips) == ([0], 1.0)
 
 
 def test_width_is_continuous_where_regions_merge() -> None:

@@ -54,7 +54,7 @@ def test_antiderivatives_of_strips_have_no_kinks() -> None:
     assert isinstance(model, LatticeContact)
     strips = np.arange(40, 42)
     near, feet = np.isin(np.arange(len(model.tables.middle)), strips), model.tables.middle
-    tables = model.tables.of(strips, model.tables.at(near, feet, 0.1))
+    tables = model.tables.of(strips, near, feet, 0.1)
     for i, j in ((40, 40), (40, 41)):
         pair = tables.pair[i, j]
         count = int(tables.cells[pair]) - 1

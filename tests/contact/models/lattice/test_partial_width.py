@@ -24,7 +24,7 @@ from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.models.lattice.states import LatticeState, states_of
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 
@@ -40,9 +40,13 @@ def ellipse(friction: float, strips: int = 14) -> LatticeContact:
     return replace(model, tolerance=1e-9)
 
 
+def state_of(result: ContactResult) -> LatticeState:
+    (state,) = states_of(result.warm_start).values()
+    return state
+
+
 def loaded_strips(result: ContactResult) -> int:
-    assert isinstance(result.warm_start, LatticeSolution)
-    return len(result.warm_start.state.strips)
+    return len(state_of(result).strips)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
@@ -70,10 +74,9 @@ def test_tangents_beside_strips_that_touch_on_a_part(friction: float) -> None:
     model, partial = ellipse(friction), 0
     for depth in np.linspace(70e-6, 90e-6, 9):
         result = model(hertz_pose(depth), ROLLING)
-        solution = result.warm_start
-        assert isinstance(solution, LatticeSolution)
+        state = state_of(result)
         problem = model.problem(hertz_pose(depth), ROLLING)
-        partial += int((solution.state.load < 0.25 * problem.places(solution.state.strips).whole).sum())
+        partial += int((state.load < 0.25 * problem.of(state.strips).places.whole).sum())
         h = 1e-9
         ahead, behind = (model(hertz_pose(depth + side * h), ROLLING, result).force for side in (1, -1))
         found = -result.tangent()[:3, 2]
@@ -87,11 +90,10 @@ def test_a_patch_of_two_strips_on_a_part_of_their_width_has_an_area(depth: float
     model = ellipse(0.0)
     problem = model.problem(hertz_pose(depth), ROLLING)
     result = model.solve(problem)
-    assert isinstance(result.warm_start, LatticeSolution)
-    state = result.warm_start.state
+    state = state_of(result)
     assert loaded_strips(result) == 2
-    assert (state.load < 0.25 * problem.places(state.strips).whole).all()
-    assert result.patches[0].area == pytest.approx(float(2 * state.half @ problem.width[state.strips]))
+    assert (state.load < 0.25 * problem.of(state.strips).places.whole).all()
+    assert result.patches[0].area == pytest.approx(float(2 * state.half @ problem.of(state.strips).places.width))
 
 
 def test_onset_of_a_parabola() -> None:

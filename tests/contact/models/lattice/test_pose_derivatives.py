@@ -11,12 +11,12 @@ from scipy.special import roots_legendre
 from test_lattice import ellipse, exact, flowing, rolling, wheelset
 from test_tangent import nudged
 
-from wheelrail.bindings._contact import SLOPES, Evaluation, TangentPlaces, residual_changes
+from wheelrail.bindings._contact import SLOPES, Evaluation, TangentPlaces, evaluate, residual_changes
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.discretisation import Bodies
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.models.lattice.solver.newton import LatticeSolution
+from wheelrail.contact.models.lattice.states import states_of
 from wheelrail.contact.solvers.tangent import CHANGES
 from wheelrail.support.arrays import Array
 
@@ -42,9 +42,8 @@ def check(
     bits on a strip of 0.1 mm, which the kernels of OpenBLAS decide, were 1e-3 of the largest slope.
     """
     problem = model.problem(pose, motion)
-    solution = model.solve(problem).warm_start
-    assert isinstance(solution, LatticeSolution)
-    state, M = solution.state, problem.cells if problem.rolls else 0
+    (state,) = states_of(model.solve(problem).warm_start).values()
+    M = model.cells if problem.rolls else 0
     slopes = np.zeros((len(state.strips), M, SLOPES))
     slopes[..., 4] = slopes[..., 7] = 1.0
 
@@ -52,6 +51,9 @@ def check(
         at = model.problem(*nudged(pose, motion, change))
         places = TangentPlaces(at.lines, at.tables.lattice, at.tables.lines)
         return residual_changes(state.values, at.of(state.strips), places, slopes)
+
+    def residual(at: tuple[Pose, RigidMotion]) -> Evaluation:
+        return evaluate(state.values, model.problem(*at).of(state.strips))
 
     size = np.ones((*state.values.shape, 1))
     size[:, : 2 * M] *= ((state.half / state.half.max()) ** 2)[:, None, None]
@@ -61,7 +63,7 @@ def check(
         changes, integrals = [], []
         for j in unit:
             path = PATHS[j] * np.eye(CHANGES)[j]
-            ahead, behind = (model.problem(*nudged(pose, motion, sign * path)).evaluate(state) for sign in (1, -1))
+            ahead, behind = (residual(nudged(pose, motion, sign * path)) for sign in (1, -1))
             changes.append((full(ahead, M) - full(behind, M)) / (2 * PATHS[j]))
             parts = zip(PLACES, WEIGHTS, strict=True)
             integrals.append(sum(0.5 * weight * derivative(place * path)[..., j] for place, weight in parts))

@@ -6,7 +6,7 @@
 namespace wr {
 
 // Start over the width, on the strip itself and next to it; over the distance, beyond.
-constexpr double NEAR[] = {0.004, 0.03, 0.5};
+constexpr double STARTS[] = {0.004, 0.03, 0.5};
 
 // Strips of a lattice on the upper body.
 struct LatticeStrips {
@@ -35,9 +35,9 @@ struct HalfSpaces {
 inline double start_of(const LatticeStrips& strips, long i, long j) {
     const auto& sides = strips.sides;
     double width = std::min(sides(i + 1) - sides(i), sides(j + 1) - sides(j));
-    if (i == j) return NEAR[0] * width;
+    if (i == j) return STARTS[0] * width;
     double distance = 0.5 * (sides(j) + sides(j + 1) - sides(i) - sides(i + 1));
-    return std::max(NEAR[1] * width, NEAR[2] * (distance - width));
+    return std::max(STARTS[1] * width, STARTS[2] * (distance - width));
 }
 
 // Number of cells up to REACH.

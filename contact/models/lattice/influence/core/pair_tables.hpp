@@ -1,5 +1,20 @@
-// Tables of the compliance between pairs of strips of a lattice, see
-// `wheelrail.contact.models.lattice.influence.pair_tables`.
+// Tables of the compliance between pairs of strips of a lattice, both bodies together, in the strips' own axes.
+//
+// With G'' = C the compliance along x, the mean displacement of cells by forces on cells is a second difference of G.
+// Near its load a body is a half-space, whose part of G depends on the strips' widths and distances on the upper body
+// alone and is tabulated once for all poses; the deviation of finite bodies from half-spaces is smooth.
+//
+// Cells of the tables: z = 1 + |x| / start, CELLS equal ones in every octave of z, polynomials of degree DEGREE in
+// each; means over contact cells err by 1e-7. Axes are longitudinal x, lateral t and outward normal n of the upper body
+// on either strip. Displacement by force is symmetric up to TN_TURN, ROLL and XN, which change their sign when the pair
+// is taken in the other order: C_tn = TN + TN_TURN, C_nt = TN - TN_TURN, C_xt = C_tx = XT, and C_xn = -C_nx = XN. The
+// coupling of normal with tangential directions, (1 + nu)(1 - 2 nu)/(2 pi E) times x/r^2 and y/r^2, has opposite signs
+// in both bodies: half-spaces of equal material have none. Parts with the other symmetry are neglected: (C_xt -
+// C_tx)/2, up to 1 % of XX at 5 mm and of the elastic slip, and (C_xn + C_nx)/2, about 0.1 %. The first five components
+// are even functions of x, the others odd. ROLL is added to C_xn alone: the radial component of u_n by pressure over R,
+// integrated along x. On a wheel the slip is -du_x/dx - u_r/R, for a compressed wheel rolls on a smaller radius. The
+// rigid slip at s has the radius there, but the material at s comes from s - u_t (`body_displacement.hpp`), where the
+// radius differs by as much as u_t adds to u_r: u_n alone remains.
 #pragma once
 #include <limits>
 #include <stdexcept>

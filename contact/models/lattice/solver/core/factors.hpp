@@ -4,11 +4,11 @@
 // themselves. Residuals are exact: steps converge to the same solution, and factors take half of the time and memory.
 #pragma once
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "contact/models/lattice/influence/core/basis.hpp"
 #include "contact/models/lattice/system/core/equation_data.hpp"
+#include "support/core/lapack.hpp"
 
 namespace wr {
 
@@ -35,43 +35,6 @@ struct Factors {
                      gather.shape == std::array{rank, n} && (S == 0 ? n == 0 : n % S == 0);
         for (int k : pivots) right = right && 1 <= k && k <= n;
         return right;
-    }
-};
-
-// Addresses of functions of LAPACK: LU factors in single precision, solution with them, and solution in double
-// precision.
-struct Lapack {
-    long sgetrf = 0, sgetrs = 0, dgesv = 0;
-
-    auto fields() { return std::tie(sgetrf, sgetrs, dgesv); }
-    bool fits() const { return sgetrf && sgetrs && dgesv; }
-
-    // Factors of a matrix (n, n) column by column, in place; pivots (n,). Whether it is regular.
-    bool factorise(View<float, 2> matrix, View<int, 1> pivots) const {
-        using Function = void(int* rows, int* columns, float* matrix, int* apart, int* pivots, int* flag);
-        int n = int(matrix.size()), flag = 0;
-        // NOLINTNEXTLINE(performance-no-int-to-ptr): of LAPACK there are addresses
-        reinterpret_cast<Function*>(sgetrf)(&n, &n, matrix.data, &n, pivots.data, &flag);
-        return flag == 0;
-    }
-    // Replace right-hand sides (k, n) by the solutions, or by those of the transposed equations.
-    void solve(View<const float, 2> factors, View<const int, 1> pivots, View<float, 2> right, bool transposed) const {
-        using Function = void(const char* kind, int* n, int* sides, const float* factors, int* apart, const int* pivots,
-                              float* right, int* right_apart, int* flag);
-        int n = int(factors.size()), sides = int(right.size()), flag = 0;
-        // NOLINTNEXTLINE(performance-no-int-to-ptr): of LAPACK there are addresses
-        reinterpret_cast<Function*>(sgetrs)(transposed ? "T" : "N", &n, &sides, factors.data, &n, pivots.data,
-                                            right.data, &n, &flag);
-    }
-    // Replace right-hand sides (k, n) by the solutions with a matrix (n, n) column by column, which is overwritten.
-    void solve(View<double, 2> matrix, View<double, 2> right) const {
-        using Function = void(int* n, int* sides, double* matrix, int* apart, int* pivots, double* right,
-                              int* right_apart, int* flag);
-        int n = int(matrix.size()), sides = int(right.size()), flag = 0;
-        Array<int, 1> pivots(n);
-        // NOLINTNEXTLINE(performance-no-int-to-ptr): of LAPACK there are addresses
-        reinterpret_cast<Function*>(dgesv)(&n, &sides, matrix.data, &n, pivots.data, right.data, &n, &flag);
-        if (flag) throw std::runtime_error("the Jacobian of the contact is singular");
     }
 };
 

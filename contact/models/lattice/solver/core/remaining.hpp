@@ -172,8 +172,10 @@ inline Remaining remaining(Rows values, const EquationData& data, const Probes& 
 // Whether there are tables for all pairs of a loaded strip and a free one.
 inline bool paired(const PairTables& tables, Indices loaded, const std::vector<long>& free) {
     for (long i : loaded)
-        for (long k : free)
-            if (tables.pair(std::min(i, k), std::max(i, k)) == 0) return false;
+        for (long k : free) {
+            long pair = tables.pair(std::min(i, k), std::max(i, k));  // others may have been added since
+            if (pair == 0 || pair >= tables.first.size()) return false;
+        }
     return true;
 }
 

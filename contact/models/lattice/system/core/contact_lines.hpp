@@ -6,6 +6,7 @@
 #include "contact/geometry/core/surface.hpp"
 #include "contact/models/lattice/influence/core/pair_tables.hpp"
 #include "contact/models/lattice/system/core/partial_width.hpp"
+#include "support/core/owned.hpp"
 
 namespace wr {
 
@@ -45,14 +46,6 @@ inline std::vector<long> chosen(View<const bool, 1> mask) {
     for (long k = 0; k < mask.size(); ++k)
         if (mask(k)) numbers.push_back(k);
     return numbers;
-}
-
-// Some values, in order.
-template <class T>
-Array<T, 1> taken(const View<const T, 1>& values, const std::vector<long>& numbers) {
-    Array<T, 1> some(long(numbers.size()));
-    for (long k = 0; k < some.size(); ++k) some(k) = values(numbers[k]);
-    return some;
 }
 
 // Strips (K,) that penetrate or, of those near to contact (K,), lie where the gap is smallest, and the next ones.

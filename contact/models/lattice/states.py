@@ -1,12 +1,13 @@
-"""Unknowns of the contact on a lattice: loaded strips with their tractions, pressure modes and ends."""
+"""Solutions of a contact on a lattice by name, for a look at what the core has found."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.bindings._contact import MODES
+from wheelrail.bindings._contact import MODES, LatticeSolution, LatticeStart
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 
@@ -22,6 +23,11 @@ class LatticeState:
 
     strips: Nodes
     values: Array
+
+    @classmethod
+    def of(cls, solution: LatticeSolution) -> LatticeState:
+        """That of a solution."""
+        return cls(solution.strips, solution.values)
 
     @property
     def ends(self) -> Array:
@@ -52,8 +58,10 @@ class LatticeState:
         """Those strips of a mask (S,)."""
         return LatticeState(self.strips[chosen], self.values[chosen])
 
-    def joined(self, other: LatticeState) -> LatticeState:
-        """These strips and others, in order."""
-        strips = np.concatenate([self.strips, other.strips])
-        order = np.argsort(strips)
-        return LatticeState(strips[order], np.concatenate([self.values, other.values])[order])
+
+def states_of(warm_start: object) -> Mapping[int, LatticeState]:
+    """States on the levels whose forces count, from what a result of a lattice leaves for the next solve."""
+    if not isinstance(warm_start, LatticeStart):
+        return {}
+    levels = zip(warm_start.levels, warm_start.solutions, strict=True)
+    return {level: LatticeState.of(solution) for level, solution in levels if solution is not None}

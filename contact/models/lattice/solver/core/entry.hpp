@@ -1,0 +1,109 @@
+// Strips that enter: unloaded ones whose surfaces would still penetrate at an edge beside the loaded ones.
+#pragma once
+#include "contact/models/lattice/solver/core/cold_start.hpp"
+#include "contact/models/lattice/solver/core/remaining.hpp"
+
+namespace wr {
+
+// half length of the cells of a strip that enters over that of a parabola of its remaining penetration
+constexpr double CELLS_OVER_PARABOLA = 1.5;
+
+// Penetration that unloaded strips may have at an edge, the sum of fractions of the approach and of their onset.
+struct Excess {
+    double approach, onset;
+};
+constexpr Excess LEAST_EXCESS{1e-7, 1e-3};  // the load is 2e-7 of that on the whole width
+constexpr Excess UNCERTAIN{1e-5, 0.1};      // where a strip cannot stay loaded either: 2e-3
+
+inline Probes probes_of(const LatticeProblem& problem) {
+    return {problem.lattice(), problem.all().first, problem.all().second};
+}
+
+// Unloaded strips whose surfaces penetrate by more than a least penetration, and where they do. Throws OutsideSurface.
+inline StripRanges overlaps(LatticeProblem& problem, const Remaining& rest, const Excess& least = LEAST_EXCESS) {
+    if (!rest.inside) throw OutsideSurface(PATCH_TOO_LONG);
+    StripRanges found;
+    for (long i = 0; i < rest.strips.size(); ++i) {
+        double enough = least.approach * problem.approach() + least.onset * problem.lines.onset(rest.strips(i));
+        if (!(rest.depth(i) > enough)) continue;
+        double half = CELLS_OVER_PARABOLA * std::sqrt(2.0 * rest.depth(i) / rest.curvature(i));
+        half = std::min(half, rest.half(i));
+        found.strips.push_back(rest.strips(i));
+        found.low.push_back(rest.place(i) - half), found.high.push_back(rest.place(i) + half);
+    }
+    return found;
+}
+
+// The same of a state; barred: strips that must not enter.
+inline StripRanges penetrating(LatticeProblem& problem, const LatticeState& state, const Strips& barred,
+                               const Excess& least = LEAST_EXCESS) {
+    while (true) {
+        auto found =
+            search(state.values, problem.of(state.strips), probes_of(problem), problem.lines, indices_of(barred));
+        if (found.complete) return overlaps(problem, found.rest, least);
+        problem.tables().complete(found.strips);
+    }
+}
+
+// Penetration (n, C) m of unloaded strips that the tractions of the loaded ones leave, means over equal cells of a
+// basis along their ranges. Throws OutsideSurface.
+inline Array<double, 2> remaining_penetration(LatticeProblem& problem, const LatticeState& state, const StripRanges& at,
+                                              const StripBasis& cells) {
+    std::set<long> all(state.strips.begin(), state.strips.end());
+    all.insert(at.strips.begin(), at.strips.end());
+    problem.tables().complete({all.begin(), all.end()});
+    Ranges ranges{Array<long, 1>::copy(indices_of(at.strips)), Array<double, 1>::copy({at.low.data(), {at.size()}}),
+                  Array<double, 1>::copy({at.high.data(), {at.size()}})};
+    auto [inside, depth] =
+        excess(state.values, problem.of(state.strips), problem.lattice(), problem.lines.onset, cells, ranges);
+    if (!inside) throw OutsideSurface(PATCH_TOO_LONG);
+    for (double& d : depth)
+        if (!std::isfinite(d)) d = -problem.approach();
+    return depth;
+}
+
+// Strips under their remaining penetration, by complementarity on cells, while the loaded strips do not change; none
+// without any. Throws Unsolved.
+inline LatticeState entered(LatticeProblem& problem, const LatticeState& state, StripRanges at) {
+    long n = at.size();
+    const auto& cells = problem.all().second;
+    long C = cells.M();
+    if (!n) return {};
+    Array<double, 2> depth;
+    for (int widening = 0; widening < WIDENINGS; ++widening) {
+        depth = remaining_penetration(problem, state, at, cells);
+        bool cut = false;
+        for (long i = 0; i < n; ++i) cut = cut || depth(i, 0) > 0.0 || depth(i, C - 1) > 0.0;
+        if (!cut || widening == WIDENINGS - 1) break;
+        for (long i = 0; i < n; ++i) {
+            double more = 0.5 * (at.high[i] - at.low[i]);
+            at.low[i] = std::max(at.low[i] - (depth(i, 0) > 0.0 ? more : 0.0), problem.lines.window[0]);
+            at.high[i] = std::min(at.high[i] + (depth(i, C - 1) > 0.0 ? more : 0.0), problem.lines.window[1]);
+        }
+    }
+    auto places = problem.places(at.strips);
+    auto grid = grid_of(at, cells, places);
+    auto [inside, matrix] = cell_operator(problem.pairs(at.strips), grid, cells, false);
+    if (!inside) throw OutsideSurface(PATCH_TOO_LONG);
+    auto pressed_by = [&, &compliance = matrix](Numbers d) {
+        Mask active(d.size());
+        for (long i = 0; i < d.size(); ++i) active[i] = d(i) > 0.0;
+        return NormalResponse(compliance, problem.all().solver).pressures(d, active).pressure;
+    };
+    auto pressure = pressed_by(flat(depth));
+    for (long i = 0; i < n; ++i) {
+        if (!(places.whole(i) > 0.0)) continue;
+        auto own = depth[i];
+        double sum = 0.0, deepest = *std::max_element(own.begin(), own.end());
+        for (long c = 0; c < C; ++c) sum += pressure(i * C + c);
+        double cell = (at.high[i] - at.low[i]) / double(C);
+        double whole = 2.0 / std::numbers::pi * cell * sum;  // load under this penetration of the whole width
+        double compliance = whole > 0.0 ? deepest * (places.whole(i) / whole) : deepest;
+        double part = std::min(pressed(deepest, compliance, places.onset(i)), 1.0);
+        for (double& d : own) d -= places.onset(i) * (1.0 - std::pow(1.0 - part, OPENING));
+    }
+    pressure = pressed_by(flat(depth));
+    return state_of_cells(problem, at, {pressure.data, {n, C}}, Array<double, 3>(2, n, C));
+}
+
+}  // namespace wr
