@@ -159,7 +159,7 @@ struct FieldType {
 std::string python_name(std::string_view text, const std::type_info* const* types, bool given);
 
 template <class F>
-const FieldType field_type{
+constexpr FieldType field_type{
     [](nb::handle from, void* to) {
         nb::detail::make_caster<F> caster;
         // Numbers of NumPy and integers count as numbers; anything else must have the right type.
