@@ -43,7 +43,7 @@ KINDS = ("as it is", "turned in part", "Maxwell elements", "laws")
 
 @pytest.mark.parametrize("speed", [64, SpeedProfile.through((0, 1), (64, 64))], ids=["number", "profile"])
 def test_a_speed_of_whole_numbers_is_that_of_decimals(speed: float | SpeedProfile) -> None:
-    """A whole speed ended in a TypingError of Numba before."""
+    """A whole speed was refused before."""
     whole = VehicleDynamics(manchester(), Track(), LinearCreep(), speed)
     for time, state, wrenches in samples(whole):
         expected = replace(whole, speed=64.0).accelerations(time, state, wrenches).rates

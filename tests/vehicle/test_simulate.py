@@ -265,16 +265,11 @@ def test_programming_errors_are_raised() -> None:
             run(**options)
 
 
-@pytest.mark.parametrize("compiled", [False, True])
-def test_the_vehicle_imports_nothing_heavy(compiled: bool) -> None:
-    """Compiled equations of motion need Numba, which loads SciPy; track, data and time integration do not."""
-    heavy = ["dolfinx", "petsc4py", "mpi4py", "gmsh", "pyvista", "xarray", "matplotlib", "pydantic", "rich"]
-    if not compiled:
-        heavy += ["scipy"]
+def test_the_vehicle_imports_nothing_heavy() -> None:
+    heavy = ["dolfinx", "petsc4py", "mpi4py", "gmsh", "pyvista", "xarray", "matplotlib", "pydantic", "rich", "scipy"]
     code = (
         "import sys, pkgutil, importlib, wheelrail.vehicle as vehicle\n"
         "names = [m.name for m in pkgutil.walk_packages(vehicle.__path__, 'wheelrail.vehicle.') if not m.ispkg]\n"
-        f"names = [n for n in names if {compiled} == (n.split('.')[2] in {('multibody', 'simulation', 'steady')})]\n"
         "[importlib.import_module(name) for name in names]\n"
         f"print(len(names), [h for h in {heavy} if h in sys.modules])"
     )
