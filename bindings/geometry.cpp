@@ -1,9 +1,11 @@
 // Python's face of surfaces and searches for contacts.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
 #include "contact/geometry/core/interpenetration.hpp"
+#include "contact/geometry/core/overlap.hpp"
 #include "contact/geometry/core/surface.hpp"
 #include "structures.hpp"
 
@@ -251,6 +253,15 @@ void bind_searches(nb::module_& m) {
         "Virtual penetration m that a place behind a minimum has in the region of another maximum, and its "
         "derivatives: penetration m of the virtual bodies there, and at the lowest minimum on the way; distance m from "
         "the maximum of the region; places closer than merge m belong to the region.");
+    m.attr("TOO_DEEP") = TOO_DEEP, m.attr("UNSOLVED") = UNSOLVED;
+    m.def(
+        "overlap_text",
+        [](double depth, Numbers place, const std::string& reason) {
+            require(place.size() == 2, "place: must be (2,)");
+            return overlap_text(depth, {place(0), place(1)}, reason);
+        },
+        "depth"_a, "place"_a, "reason"_a,
+        "Text on an overlap that is not solved: its depth m, place (2,) m on the wheel's profile, and the reason.");
     m.attr("VIRTUAL") = VIRTUAL;
     m.def(
         "half_strips", [] { return std::tuple{copied(POSITIONS), copied(WIDTHS)}; },

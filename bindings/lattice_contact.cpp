@@ -37,18 +37,6 @@ std::optional<LatticeStart> next_start(const LatticeResult& result) {
     return {};
 }
 
-// Let Python pickle objects of a class by the values of its fields.
-template <class Class, std::size_t N>
-void keep(Class& made, const char* const (&names)[N]) {
-    auto fields = std::to_array(names);
-    set_fields(made, fields);
-    made.def("__reduce__", [fields](nb::handle self) -> nb::typed<nb::tuple, nb::object, nb::object> {
-        nb::list values;
-        for (const char* name : fields) values.append(self.attr(name));
-        return nb::make_tuple(self.type(), nb::tuple(values));
-    });
-}
-
 void bind_starts(nb::module_& m) {
     nb::class_<LatticeSolution> solution(m, "LatticeSolution",
                                          "Converged state, and factors of a Jacobian near to it.");
@@ -65,7 +53,7 @@ void bind_starts(nb::module_& m) {
         .def_prop_rw(
             "factors", [](const LatticeSolution& s) { return s.factors; },
             [](LatticeSolution& s, const Factors& factors) { s.factors = factors; });
-    keep(solution, {"strips", "values", "factors"});
+    set_fields(solution, std::array{"strips", "values", "factors"});
     nb::class_<LatticeStart> start(m, "LatticeStart",
                                    "Solutions with which the next solve begins: of one or two levels, None without "
                                    "load, and of finite bodies that of the ordinary level.");
@@ -82,7 +70,7 @@ void bind_starts(nb::module_& m) {
         .def_ro("levels", &LatticeStart::levels)
         .def_ro("solutions", &LatticeStart::solutions)
         .def_ro("ordinary", &LatticeStart::ordinary);
-    keep(start, {"levels", "solutions", "ordinary"});
+    set_fields(start, std::array{"levels", "solutions", "ordinary"});
 }
 
 void bind_outcomes(nb::module_& m) {

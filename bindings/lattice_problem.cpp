@@ -178,6 +178,7 @@ void bind_problem(nb::module_& m) {
 }  // namespace
 
 void bind_lattice_problem(nb::module_& m) {
+    m.attr("BEYOND") = BEYOND, m.attr("PATCH_TOO_LONG") = PATCH_TOO_LONG;
     nb::register_exception_translator(translate);
     bind_bodies(m);
     bind_problem(m);

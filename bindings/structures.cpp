@@ -19,12 +19,6 @@ nb::object value(const Description& of, nb::handle self, std::size_t i) {
     return held.given.is_valid() ? nb::object(held.given[i]) : of.types[i]->give(of.field(kept, i), held.owners);
 }
 
-nb::tuple values(const Description& of, nb::handle self) {
-    nb::list all;
-    for (std::size_t i = 0; i < of.fields.size(); ++i) all.append(value(of, self, i));
-    return nb::tuple(all);
-}
-
 }  // namespace
 
 std::string python_name(std::string_view text, const std::type_info* const* types, bool given) {
@@ -66,7 +60,16 @@ nb::tuple ordered(const Description& of, const nb::args& first, const nb::kwargs
 void set_fields(nb::handle made, std::span<const char* const> names) {
     nb::list all;
     for (const char* name : names) all.append(name);
-    made.attr("_fields") = nb::tuple(all);
+    nb::tuple fields(all);
+    made.attr("_fields") = fields;
+    nb::cpp_function_def(
+        [fields](nb::handle self) {
+            nb::list values;
+            for (nb::handle name : fields) values.append(self.attr(name));
+            return nb::make_tuple(self.type(), nb::tuple(values));
+        },
+        nb::is_method(), nb::scope(made), nb::name("__reduce__"),
+        nb::sig("def __reduce__(self) -> tuple[object, object]"));
 }
 
 std::string define(const Description* of, nb::handle made) {
@@ -90,9 +93,6 @@ std::string define(const Description* of, nb::handle made) {
         nb::is_method(), nb::scope(made), nb::name("_replace"),
         nb::sig("def _replace(self, **changes: object) -> typing.Self"),
         "The same with other fields, as of named tuples.");
-    nb::cpp_function_def([of](nb::handle self) { return nb::make_tuple(self.type(), values(*of, self)); },
-                         nb::is_method(), nb::scope(made), nb::name("__reduce__"),
-                         nb::sig("def __reduce__(self) -> tuple[object, object]"));
     return init + ") -> None";
 }
 

@@ -16,10 +16,6 @@ namespace wr {
 
 namespace nb = nanobind;
 
-// Structures name their fields in order: auto fields() { return std::tie(first, second); }
-template <class T>
-concept Structure = requires(T t) { t.fields(); };
-
 // Functions of the core run without the interpreter's lock.
 using Unlocked = nb::call_guard<nb::gil_scoped_release>;
 
@@ -206,10 +202,10 @@ auto addresses(T& data) {
                       data.fields());
 }
 
-// Names of the fields of a class, from whose values it is made, as of named tuples.
+// Names of the fields of a class, as of named tuples: it is made from their values, and pickled by them.
 void set_fields(nb::handle made, std::span<const char* const> names);
 
-// What a structure's class has: its fields, read-only, and copies and pickles by them. Text of what makes one.
+// What a structure's class has: its fields, read-only, copies and pickles by them. Text of what makes one.
 std::string define(const Description* of, nb::handle made);
 
 // Fields in their order, given by it or by name.

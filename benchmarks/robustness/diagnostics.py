@@ -6,8 +6,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from wheelrail.contact.geometry.interpenetration import TOO_DEEP
-from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
+from wheelrail.bindings._contact import PATCH_TOO_LONG, TOO_DEEP
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
@@ -87,7 +86,7 @@ def names_cause(status: str) -> bool:
     """Whether the status of a run that ended early names overturning, derailment, or a wheel that is pressed into the
     rail beyond the range of the contact, by several mm of the undeformed profiles.
     """
-    return any(cause in status for cause in ("overturns", "left the rails", TOO_LONG, TOO_DEEP))
+    return any(cause in status for cause in ("overturns", "left the rails", PATCH_TOO_LONG, TOO_DEEP))
 
 
 def _mean_load(history: History, wagon: Wagon, track: Track) -> float:

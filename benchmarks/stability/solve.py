@@ -12,11 +12,11 @@ import numpy as np
 from benchmarks.stability.depth_estimate import NoDepth, depth_for
 from benchmarks.stability.invariants import TIGHT, broken, findings
 from benchmarks.stability.sample import RADIUS, SIZES, SampledCase
+from wheelrail.bindings._contact import PATCH_TOO_LONG
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
-from wheelrail.contact.models.lattice.influence.strip_operators import TOO_LONG
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import ContactModel
 from wheelrail.contact.results.result import ContactResult
@@ -130,7 +130,7 @@ def _difference(result: ContactResult, reference: ContactResult) -> float:
 
 def legitimate(status: str) -> bool:
     """Whether a status means that the contact is beyond the range of the model, not a failed solve."""
-    return LEAVES in status or TOO_LONG in status
+    return LEAVES in status or PATCH_TOO_LONG in status
 
 
 def vertical_load(result: ContactResult) -> float:

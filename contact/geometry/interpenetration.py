@@ -10,22 +10,20 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.bindings._contact import (
+    TOO_DEEP,
     VIRTUAL,
     Lines,
     PenetrationRegions,
     first_beyond,
     half_strips,
     lines_to_scan,
+    overlap_text,
     scan,
     wheel_regions,
 )
 from wheelrail.contact.geometry.quadric_pair import curvature, vertical_approach
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.profiles.profile import Profile
-from wheelrail.support.arrays import Array
-
-TOO_DEEP = "the wheel lies inside the rail, too deep for a contact"
-UNSOLVED = "beyond the part of its surface that carries contact points"  # of an overlap
 
 
 def profile_regions(
@@ -65,13 +63,6 @@ def overlap(wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lin
     if samples.depth[i] > 0.0:
         return overlap_text(samples.depth[i], wheel.point(lines.s[i]), "where no contact point was found")
     return TOO_DEEP
-
-
-def overlap_text(depth: float, place: Array, reason: str) -> str:
-    """Text on an overlap that is not solved: its depth m, place (y, z) m on the wheel's profile, and the reason."""
-    y, z = 1e3 * place
-    at = f"at y = {y:.1f}, z = {z:.1f} mm of its profile"
-    return f"the wheel overlaps the rail {1e3 * depth:.3g} mm deep {at}, {reason}"
 
 
 def quadric_regions(

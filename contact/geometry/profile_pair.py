@@ -11,8 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.bindings._contact import UNSOLVED, overlap_text
 from wheelrail.contact.geometry.grid_points import GridPoints, Interpolation
-from wheelrail.contact.geometry.interpenetration import UNSOLVED, overlap_text
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.kinematics.contact_points import OutsideSurface

@@ -9,19 +9,19 @@ from typing import Protocol
 import numpy as np
 
 from wheelrail.bindings._contact import (
+    UNSOLVED,
     Lines,
     PenetrationRegions,
     Scan,
     lines_to_scan,
     nearest_place,
+    overlap_text,
     profile_places,
     scan,
     wheel_points,
 )
 from wheelrail.contact.geometry.interpenetration import (
-    UNSOLVED,
     overlap,
-    overlap_text,
     profile_regions,
     quadric_regions,
 )

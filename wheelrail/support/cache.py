@@ -129,11 +129,16 @@ def store(name: str, arrays: Arrays) -> None:
 
 def cached(name: str, build: Callable[[], Arrays], names: Sequence[str]) -> Arrays:
     """The named arrays from the cache, or built by one process, for which others wait, and stored."""
-    arrays = load(name)
-    if arrays is None or not set(names) <= set(arrays):
+
+    def stored() -> Arrays | None:
+        arrays = load(name)
+        return arrays if arrays is not None and set(names) <= set(arrays) else None
+
+    arrays = stored()
+    if arrays is None:
         with _one_process(name):
-            arrays = load(name)
-            if arrays is None or not set(names) <= set(arrays):
+            arrays = stored()
+            if arrays is None:
                 arrays = dict(build())
                 store(name, arrays)
     return arrays

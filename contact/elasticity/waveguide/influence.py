@@ -14,6 +14,7 @@ from functools import cached_property, partial
 import numpy as np
 from scipy.ndimage import convolve1d
 
+from wheelrail.bindings._contact import BEYOND
 from wheelrail.contact.elasticity.half_space import strip_flexibility
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
 from wheelrail.contact.elasticity.waveguide.element_correction import SurfaceError, surface_error
@@ -26,7 +27,6 @@ ODD = (1, 2, 3, 6)  # of the nine components: xy, xz, yx, zx
 EVEN = (0, 4, 5, 7, 8)
 NEIGHBOURS = np.array([1.0, 4.0, 6.0, 4.0, 1.0]) / 16  # shares of a line in the mean over its neighbours
 MARGIN = len(NEIGHBOURS) // 2
-BEYOND = "the bodies touch beyond the part of their surface that carries contact points"
 
 
 @dataclass

@@ -170,23 +170,21 @@ class FrictionProblem {
         for (long i = 0; i < n; ++i)
             loaded[i] = t.active[i] || t.q(0, i) != 0.0 || t.q(1, i) != 0.0 || t.bound(i) > 0.0;
         if (known && known_active == t.active && known_loaded == loaded) return *known;
-        Linearisation made{numbers_of(loaded), {}, Array<double, 2>(0, 0)};
-        long k = long(made.index.size());
-        auto point = [&](long c) { return c < k ? made.index[c] : n + made.index[c - k]; };
-        made.slip = Array<double, 2>(2 * k, 2 * k);
-        for (long r = 0; r < 2 * k; ++r)
-            for (long c = 0; c < 2 * k; ++c) made.slip(r, c) = slip(point(r), point(c));
+        auto index = numbers_of(loaded), rows = index;
+        for (long i : index) rows.push_back(n + i);
+        Linearisation made{index, chosen_of(slip, rows), Array<double, 2>(0, 0)};
+        long k = long(index.size());
         if (pressure.normal && shift.size()) {
             made.pressure = Array<double, 2>(k, 2 * k);
             auto gradient = pressure.slope(t.active);
             for (long i = 0, a = 0; i < k; ++i) {
-                if (!t.active[made.index[i]]) continue;
-                for (long c = 0; c < 2 * k; ++c) made.pressure(i, c) = gradient(a, point(c));
+                if (!t.active[index[i]]) continue;
+                for (long c = 0; c < 2 * k; ++c) made.pressure(i, c) = gradient(a, rows[c]);
                 ++a;
             }
             for (long r = 0; r < 2 * k; ++r)
                 for (long i = 0; i < k; ++i) {
-                    double by = t.active[made.index[i]] ? shift(point(r), made.index[i]) : 0.0;
+                    double by = t.active[index[i]] ? shift(rows[r], index[i]) : 0.0;
                     if (by == 0.0) continue;
                     auto to = made.slip[r];
                     auto from = made.pressure[i];

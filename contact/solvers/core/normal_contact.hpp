@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "support/core/lapack.hpp"
+#include "support/core/owned.hpp"
 
 namespace wr {
 
@@ -15,31 +16,20 @@ constexpr std::size_t STORED_SETS = 4;  // of active points whose factors are ke
 
 using Mask = std::vector<bool>;
 
-// Numbers of the true values of a mask.
-inline std::vector<long> numbers_of(const Mask& mask) {
-    std::vector<long> numbers;
-    for (long k = 0; k < long(mask.size()); ++k)
-        if (mask[k]) numbers.push_back(k);
-    return numbers;
-}
-
-// Sums of eight at once: one sum waits for every addition.
-inline double dot(Numbers a, Numbers b) {
-    constexpr long WIDE = 8;
-    double sums[WIDE] = {}, total = 0.0;
-    long k = 0;
-    for (; k + WIDE <= a.size(); k += WIDE)
-        for (long m = 0; m < WIDE; ++m) sums[m] += a(k + m) * b(k + m);
-    for (; k < a.size(); ++k) total += a(k) * b(k);
-    for (double sum : sums) total += sum;
-    return total;
-}
-
 // Product (n,) of a matrix (n, m) and a vector (m,).
 inline Array<double, 1> product(Rows matrix, Numbers vector) {
     Array<double, 1> result(matrix.size());
     for (long i = 0; i < matrix.size(); ++i) result(i) = dot(matrix[i], vector);
     return result;
+}
+
+// Chosen rows and columns (k, k) of a matrix.
+inline Array<double, 2> chosen_of(Rows matrix, const std::vector<long>& rows) {
+    long k = long(rows.size());
+    Array<double, 2> some(k, k);
+    for (long r = 0; r < k; ++r)
+        for (long c = 0; c < k; ++c) some(r, c) = matrix(rows[r], rows[c]);
+    return some;
 }
 
 // Response of the pressure to the penetration by exact contact: N (n, n) m/Pa, and LU factors of its rows and columns

@@ -115,13 +115,6 @@ inline Array<double, 2> block_of(Rows matrix, std::array<long, 2> first, std::ar
         for (long c = 0; c < size[1]; ++c) block(r, c) = factor * matrix(first[0] + r, first[1] + c);
     return block;
 }
-inline Array<double, 2> chosen_of(Rows matrix, const std::vector<long>& rows) {
-    long k = long(rows.size());
-    Array<double, 2> some(k, k);
-    for (long r = 0; r < k; ++r)
-        for (long c = 0; c < k; ++c) some(r, c) = matrix(rows[r], rows[c]);
-    return some;
-}
 
 // Points that may be active at first, by their penetrations.
 inline Mask first_active(Numbers penetration) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <vector>
 
 #if defined(_GLIBCXX_ASSERTIONS)
 #include <stdexcept>
@@ -116,5 +117,44 @@ using Numbers = View<const double, 1>;
 using Rows = View<const double, 2>;
 using Blocks = View<const double, 3>;
 using Indices = View<const long, 1>;
+
+// Numbers of the true values of a mask.
+template <class M>
+std::vector<long> numbers_of(const M& mask) {
+    std::vector<long> numbers;
+    long k = 0;
+    for (bool one : mask) {
+        if (one) numbers.push_back(k);
+        ++k;
+    }
+    return numbers;
+}
+
+// Some values, in order.
+template <class T>
+Array<T, 1> taken(const View<const T, 1>& values, const std::vector<long>& numbers) {
+    Array<T, 1> some(long(numbers.size()));
+    for (long k = 0; k < some.size(); ++k) some(k) = values(numbers[k]);
+    return some;
+}
+template <class T>
+Array<T, 1> taken(const Array<T, 1>& values, const std::vector<long>& numbers) {
+    return taken(View<const T, 1>(values), numbers);
+}
+
+// Several sums at once: one sum waits for every addition.
+template <class T>
+T sum_of_products(View<const T, 1> a, View<const T, 1> b) {
+    constexpr long WIDE = 64 / sizeof(T);
+    T sums[WIDE] = {}, total = 0;
+    long k = 0;
+    for (; k + WIDE <= a.size(); k += WIDE)
+        for (long m = 0; m < WIDE; ++m) sums[m] += a(k + m) * b(k + m);
+    for (; k < a.size(); ++k) total += a(k) * b(k);
+    for (T sum : sums) total += sum;
+    return total;
+}
+inline double dot(Numbers a, Numbers b) { return sum_of_products(a, b); }
+inline float dot(View<const float, 1> a, View<const float, 1> b) { return sum_of_products(a, b); }
 
 }  // namespace wr

@@ -8,13 +8,14 @@
 
 namespace wr {
 
+// Structures name their fields in order: auto fields() { return std::tie(first, second); }
 template <class T>
-concept HasFields = requires(T t) { t.fields(); };
+concept Structure = requires(T t) { t.fields(); };
 
 using Owners = std::vector<std::shared_ptr<const void>>;
 
 // A structure, and what owns the numbers of its views.
-template <HasFields T>
+template <Structure T>
 struct Owned : T {
     Owners owners;
 
@@ -30,29 +31,24 @@ void own(View<T, N>& view, Owners& owners) {
     owners.push_back(copy.owner);
     view = copy;
 }
-template <HasFields T>
+template <Structure T>
 void own(T& data, Owners& owners) {
     std::apply([&](auto&... field) { (own(field, owners), ...); }, data.fields());
 }
 
 // A copy with memory of its own.
-template <HasFields T>
+template <Structure T>
 Owned<T> owned(const T& data) {
     Owned<T> copy(data, {});
     own(static_cast<T&>(copy), copy.owners);
     return copy;
 }
 
-// Some values, in order.
-template <class T>
-Array<T, 1> taken(const View<const T, 1>& values, const std::vector<long>& numbers) {
-    Array<T, 1> some(long(numbers.size()));
-    for (long k = 0; k < some.size(); ++k) some(k) = values(numbers[k]);
-    return some;
-}
-template <class T>
-Array<T, 1> taken(const Array<T, 1>& values, const std::vector<long>& numbers) {
-    return taken(View<const T, 1>(values), numbers);
+// Owners, with those of some arrays.
+template <class... A>
+Owners owners_of(Owners owners, const A&... arrays) {
+    (owners.push_back(arrays.owner), ...);
+    return owners;
 }
 
 }  // namespace wr

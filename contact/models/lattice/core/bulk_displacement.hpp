@@ -14,7 +14,7 @@ class BulkDisplacement {
     BulkDisplacement(std::shared_ptr<LatticeProblem> of, std::shared_ptr<const LatticeSolution> found)
         : problem(std::move(of)),
           solution(std::move(found)),
-          rows(chosen(problem->lines.covered)),
+          rows(numbers_of(problem->lines.covered)),
           loaded(solution->state.strips),
           loads(strip_loads(solution->state.values, problem->of(loaded).places, problem->all().basis,
                             problem->all().rolls())) {}

@@ -21,7 +21,6 @@ struct LatticeStart {
             if (levels[i] == level) return solutions[i].get();
         return level == 0 ? ordinary.get() : nullptr;
     }
-    bool fits() const { return levels.size() == solutions.size(); }
 };
 
 // Force of one or two levels, and what belongs to it.

@@ -27,8 +27,6 @@ struct LevelShares {
     double share = 1.0;          // of the first
     // Derivative (12,) of the share by pose and motion; none of a single level. Throws Unsolved.
     std::function<Array<double, 1>()> change;
-
-    bool ordinary() const { return levels == std::vector<int>{0}; }
 };
 
 // Levels for a pose. problem: equations on ordinary strips. strips: their number over a usual patch. bulk: displacement

@@ -15,8 +15,6 @@ from wheelrail.contact.models.lattice.influence.body_correction import OUTWARD, 
 from wheelrail.contact.models.lattice.influence.pair_grid import RULE
 from wheelrail.support.arrays import Array
 
-TOO_LONG = "the patch is longer than the tables of influence"
-
 
 @dataclass(frozen=True)
 class StripOperators:
@@ -29,11 +27,6 @@ class StripOperators:
     surfaces: StripSurfaces
     upper: HalfSpaceInfluence
     lower: HalfSpaceInfluence
-
-    @property
-    def finite(self) -> bool:
-        """Whether a body differs from a half-space."""
-        return any(body is not None for body in self.bodies)
 
     @cached_property
     def bodies(self) -> tuple[FiniteBody | None, FiniteBody | None]:

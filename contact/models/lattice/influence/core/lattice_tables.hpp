@@ -103,12 +103,8 @@ class LatticeTables {
     Owned<PairTables> of(const Strips& some, const Owned<PoseMeans>& at) {
         complete(some);
         std::lock_guard lock(growing);
-        auto owners = at.owners;
-        for (const auto& owner : {std::shared_ptr<void>(values.owner), std::shared_ptr<void>(pair.owner),
-                                  std::shared_ptr<void>(first.owner), std::shared_ptr<void>(cells.owner),
-                                  std::shared_ptr<void>(inverse.owner)})
-            owners.push_back(owner);
-        return {{values, pair, first, cells, inverse, at.place, at.smooth}, owners};
+        return {{values, pair, first, cells, inverse, at.place, at.smooth},
+                owners_of(at.owners, values, pair, first, cells, inverse)};
     }
     // Add the tables that pairs of some strips (C,) lack.
     void complete(const Strips& some) {
@@ -138,8 +134,7 @@ class LatticeTables {
              lower = of_means(deviation_means(1, some, at, reach));
         auto owners = upper.owners;
         owners.insert(owners.end(), lower.owners.begin(), lower.owners.end());
-        owners.push_back(share.owner);
-        return {{upper, lower, share}, owners};
+        return {{upper, lower, share}, owners_of(owners, share)};
     }
 
   private:
@@ -173,12 +168,8 @@ class LatticeTables {
         Array<long, 1> begin(1), number(1);
         Array<double, 1> over(1);
         number(0) = count, over(0) = 1.0 / START;
-        auto owners = at.owners;
-        for (const auto& owner : {std::shared_ptr<void>(zeros.owner), std::shared_ptr<void>(alike.owner),
-                                  std::shared_ptr<void>(begin.owner), std::shared_ptr<void>(number.owner),
-                                  std::shared_ptr<void>(over.owner)})
-            owners.push_back(owner);
-        return {{zeros, alike, begin, number, over, at.place, at.smooth}, owners};
+        return {{zeros, alike, begin, number, over, at.place, at.smooth},
+                owners_of(at.owners, zeros, alike, begin, number, over)};
     }
 
     void add(const Strips& some) {

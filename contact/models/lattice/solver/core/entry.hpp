@@ -52,10 +52,8 @@ inline Array<double, 2> remaining_penetration(LatticeProblem& problem, const Lat
     std::set<long> all(state.strips.begin(), state.strips.end());
     all.insert(at.strips.begin(), at.strips.end());
     problem.tables().complete({all.begin(), all.end()});
-    Ranges ranges{Array<long, 1>::copy(indices_of(at.strips)), Array<double, 1>::copy({at.low.data(), {at.size()}}),
-                  Array<double, 1>::copy({at.high.data(), {at.size()}})};
-    auto [inside, depth] =
-        excess(state.values, problem.of(state.strips), problem.lattice(), problem.lines.onset, cells, ranges);
+    auto [inside, depth] = excess(state.values, problem.of(state.strips), problem.lattice(), problem.lines.onset, cells,
+                                  indices_of(at.strips), {at.low.data(), {at.size()}}, {at.high.data(), {at.size()}});
     if (!inside) throw OutsideSurface(PATCH_TOO_LONG);
     for (double& d : depth)
         if (!std::isfinite(d)) d = -problem.approach();
@@ -75,20 +73,17 @@ inline LatticeState entered(LatticeProblem& problem, const LatticeState& state, 
         bool cut = false;
         for (long i = 0; i < n; ++i) cut = cut || depth(i, 0) > 0.0 || depth(i, C - 1) > 0.0;
         if (!cut || widening == WIDENINGS - 1) break;
-        for (long i = 0; i < n; ++i) {
-            double more = 0.5 * (at.high[i] - at.low[i]);
-            at.low[i] = std::max(at.low[i] - (depth(i, 0) > 0.0 ? more : 0.0), problem.lines.window[0]);
-            at.high[i] = std::min(at.high[i] + (depth(i, C - 1) > 0.0 ? more : 0.0), problem.lines.window[1]);
-        }
+        for (long i = 0; i < n; ++i) at.widen(i, depth(i, 0) > 0.0, depth(i, C - 1) > 0.0, problem.lines.window);
     }
     auto places = problem.places(at.strips);
     auto grid = grid_of(at, cells, places);
     auto [inside, matrix] = cell_operator(problem.pairs(at.strips), grid, cells, false);
     if (!inside) throw OutsideSurface(PATCH_TOO_LONG);
-    auto pressed_by = [&, &compliance = matrix](Numbers d) {
+    NormalResponse normal(matrix, problem.all().solver);
+    auto pressed_by = [&](Numbers d) {
         Mask active(d.size());
         for (long i = 0; i < d.size(); ++i) active[i] = d(i) > 0.0;
-        return NormalResponse(compliance, problem.all().solver).pressures(d, active).pressure;
+        return normal.pressures(d, active).pressure;
     };
     auto pressure = pressed_by(flat(depth));
     for (long i = 0; i < n; ++i) {

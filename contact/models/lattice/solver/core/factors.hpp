@@ -78,18 +78,6 @@ inline void back_substitute(const Factors& factors, const Lapack& solver, View<f
     solver.solve(factors.lu, factors.pivots, right, true);
 }
 
-// Sums of sixteen at once: one sum waits for every addition.
-inline float dot(View<const float, 1> a, View<const float, 1> b) {
-    constexpr long WIDE = 16;
-    float sums[WIDE] = {}, total = 0.0f;
-    long k = 0;
-    for (; k + WIDE <= a.size(); k += WIDE)
-        for (long m = 0; m < WIDE; ++m) sums[m] += a(k + m) * b(k + m);
-    for (; k < a.size(); ++k) total += a(k) * b(k);
-    for (float sum : sums) total += sum;
-    return total;
-}
-
 // Step (S, block) that cancels the linearised residual (S, block).
 inline Array<double, 2> newton_step(const Factors& factors, const Lapack& solver, Rows residual) {
     long n = factors.rows.size(), rank = factors.gather.size();

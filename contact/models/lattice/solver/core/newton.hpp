@@ -20,8 +20,6 @@ struct LatticeSolution {
 struct IterationCount {
     long newton = 0, linear = 0;  // linearisations, and evaluations of the residual
     double residual = 0.0;        // last step
-
-    auto fields() { return std::tie(newton, linear, residual); }
 };
 
 // Iteration from a state to the solution of a problem.

@@ -43,31 +43,31 @@ struct Ranges {
 };
 
 // Remaining penetration (n, C) m at the edge where strips that are not loaded begin to touch, means over the cells of a
-// basis along ranges, and whether all points lie in the tables; values (S, block) of the loaded ones, onset (K,) m of
-// all. Beyond the lower body it is -inf.
+// basis from low to high (n,) m, and whether all points lie in the tables; values (S, block) of the loaded ones, onset
+// (K,) m of all. Beyond the lower body it is -inf.
 inline std::pair<bool, Array<double, 2>> excess(Rows values, const EquationData& data, const Lattice& lattice,
-                                                Numbers onset, const StripBasis& basis, const Ranges& at) {
-    long n = at.size(), C = basis.M();
+                                                Numbers onset, const StripBasis& basis, Indices strips, Numbers low,
+                                                Numbers high) {
+    long n = strips.size(), C = basis.M();
     Array<double, 2> edges(n, C + 1);
     Array<double, 1> middle(n);
     for (long i = 0; i < n; ++i) {
-        long k = at.strips(i);
+        long k = strips(i);
         middle(i) = lattice.middle(k);
-        for (long r = 0; r <= C; ++r)
-            edges(i, r) = lattice.stretch(k) * (at.low(i) + (at.high(i) - at.low(i)) * basis.marks(r));
+        for (long r = 0; r <= C; ++r) edges(i, r) = lattice.stretch(k) * (low(i) + (high(i) - low(i)) * basis.marks(r));
     }
     auto grid = strip_grid(values, data.places, data.basis);
     auto jumps = force_jumps(values, data.places, data.basis, data.rolls());
     auto [inside, total] =
-        normal_displacements(data.tables, at.strips, middle, edges, grid, values, jumps, data.basis, data.rolls());
+        normal_displacements(data.tables, strips, middle, edges, grid, values, jumps, data.basis, data.rolls());
     auto pose = data.motion.pose();
     Walk walk(data.surface);
     for (long i = 0; i < n; ++i) {
-        long k = at.strips(i);
+        long k = strips(i);
         for (int g = 0; g < 2; ++g) {
             double s = middle(i) + (2 * g - 1) * GAUSS * lattice.width(k);
             for (int m = 0; m < STATIONS; ++m) {
-                double x = at.low(i) + (at.high(i) - at.low(i)) * basis.stations(m);
+                double x = low(i) + (high(i) - low(i)) * basis.stations(m);
                 double depth = penetration_at(walk, pose, s, x).depth;
                 for (long r = 0; r < C; ++r) total(i, r) += 0.5 * basis.cell_penetration(r, m) * depth;
             }
@@ -125,7 +125,8 @@ inline Ranges probed_ranges(Rows values, const StripPlaces& places, const Contac
 inline Remaining remaining(Rows values, const EquationData& data, const Probes& probes, const ContactLines& lines,
                            const std::vector<long>& free) {
     auto all = probed_ranges(values, data.places, lines, free);
-    auto [inside, first] = excess(values, data, probes.lattice, lines.onset, probes.first, all);
+    auto [inside, first] =
+        excess(values, data, probes.lattice, lines.onset, probes.first, all.strips, all.low, all.high);
     double C = double(probes.first.M());
     Array<double, 1> highest(all.size());
     std::vector<long> close;
@@ -151,7 +152,8 @@ inline Remaining remaining(Rows values, const EquationData& data, const Probes& 
     // around the maximum, again while it may be positive or not: it is flatter than a parabola, or narrow at an end of
     // the next strip
     for (int narrowing = 0; narrowing < NARROWINGS; ++narrowing) {
-        auto [found, second] = excess(values, data, probes.lattice, lines.onset, probes.second, at);
+        auto [found, second] =
+            excess(values, data, probes.lattice, lines.onset, probes.second, at.strips, at.low, at.high);
         rest.inside = rest.inside && found;
         std::vector<long> doubtful;
         for (long i = 0; i < at.size(); ++i) {
@@ -231,9 +233,9 @@ inline Search search(Rows values, const EquationData& data, const Probes& probes
     for (long strip : barred) kept_out(strip) = true;
     while (true) {
         std::vector<long> free;
-        for (long k : chosen(known))
+        for (long k : numbers_of(known))
             if (!kept_out(k)) free.push_back(k);
-        if (!paired(data.tables, loaded, free)) return {false, {}, chosen(known)};
+        if (!paired(data.tables, loaded, free)) return {false, {}, numbers_of(known)};
         auto rest = remaining(values, data, probes, lines, free);
         auto further = next_to_deeper(free, rest.highest, known, lines.near);
         if (!any(further)) return {true, rest, free};

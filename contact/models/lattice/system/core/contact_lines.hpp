@@ -6,7 +6,6 @@
 #include "contact/geometry/core/surface.hpp"
 #include "contact/models/lattice/influence/core/pair_tables.hpp"
 #include "contact/models/lattice/system/core/partial_width.hpp"
-#include "support/core/owned.hpp"
 
 namespace wr {
 
@@ -40,14 +39,6 @@ struct ContactLines {
     }
 };
 
-// Numbers (n,) of the true values of a mask.
-inline std::vector<long> chosen(View<const bool, 1> mask) {
-    std::vector<long> numbers;
-    for (long k = 0; k < mask.size(); ++k)
-        if (mask(k)) numbers.push_back(k);
-    return numbers;
-}
-
 // Strips (K,) that penetrate or, of those near to contact (K,), lie where the gap is smallest, and the next ones.
 inline Array<bool, 1> smallest_gaps(Numbers depth, View<const bool, 1> near) {
     long K = depth.size();
@@ -74,13 +65,13 @@ inline std::vector<long> strips_in_sight(const SurfaceData& surface, const Pose<
         for (long m = std::max(probes[k] - apart, 0L); depth(k) > -margin && m <= std::min(probes[k] + apart, K - 1);
              ++m)
             own(m) = true;
-    return chosen(own);
+    return numbers_of(own);
 }
 
 // Ends m of the range of x of `ContactLines`; zeros where no strip is probed.
 inline std::array<double, 2> contact_window(const ContactLines& at) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (long k : chosen(at.probed)) {
+    for (long k : numbers_of(at.probed)) {
         double half = std::sqrt(2.0 * std::max(at.depth(k), 0.0) / at.curvature(k));
         low = std::min(low, at.x(k) - half), high = std::max(high, at.x(k) + half);
     }

@@ -170,8 +170,7 @@ class LatticeProblem {
         auto own = places(strips);
         auto owners = tables.owners;
         owners.insert(owners.end(), own.owners.begin(), own.owners.end());
-        owners.push_back(rho().owner);
-        Owned<EquationData> made({tables, at.surface, data(), own, at.basis, at.law, rho()}, owners);
+        Owned<EquationData> made({tables, at.surface, data(), own, at.basis, at.law, rho()}, owners_of(owners, rho()));
         return stored[strips] = made;
     }
 

@@ -11,18 +11,13 @@
 
 namespace wr {
 
-// Bases of strips: the model's own one; equal cells of unloaded strips, along the probed range and around a maximum;
-// and equal cells at starts without an earlier result, in the order in which they are tried.
-struct StripBases {
-    StripBasis own, first, second;
-    std::vector<StripBasis> starts;
-};
-
 struct LatticeSetting {
     Owned<SurfaceData> surface;
     Owned<Lines> lines;        // of the wheel's whole profile; none for quadrics
     Array<double, 2> outline;  // (2, n) m, places across, ascending, and heights of the rail's surface
     std::shared_ptr<LatticeTables> tables;
+    // Bases of strips: the model's own one; equal cells of unloaded strips, along the probed range and around a
+    // maximum; and equal cells at starts without an earlier result, in the order in which they are tried.
     Owned<StripBasis> basis, first, second;
     std::vector<Owned<StripBasis>> starts;
     Owned<ResidualCode> law;
