@@ -8,14 +8,6 @@
 using namespace wr;
 using namespace nanobind::literals;
 
-namespace {
-
-void require(bool fits) {
-    if (!fits) throw nb::value_error("tangent: lengths or indices do not fit");
-}
-
-}  // namespace
-
 void bind_derivatives(nb::module_& m) {
     structure<TangentPlaces>(m, "TangentPlaces", {"lines", "lattice", "arc"},
                              "Where all strips touch, the lattice, and lines (ns,) m of the lower body, none where the "
@@ -24,8 +16,9 @@ void bind_derivatives(nb::module_& m) {
         "residual_changes",
         [](Rows values, const EquationData& data, const TangentPlaces& places, Blocks slopes) {
             long M = data.rolls() ? data.basis.M() : 0;
-            require(data.fits(values) && fit(data, places) &&
-                    slopes.shape == std::array{data.strips(), M, long(SLOPES)});
+            require(
+                data.fits(values) && fit(data, places) && slopes.shape == std::array{data.strips(), M, long(SLOPES)},
+                "values, places, slopes: do not fit");
             return residual_changes(values, data, places.lines, places.lattice, places.arc, slopes);
         },
         "values"_a, "data"_a, "places"_a, "slopes"_a, Unlocked(),

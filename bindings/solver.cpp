@@ -7,7 +7,7 @@ using namespace wr;
 
 namespace {
 
-void bind_structures(nb::module_& m) {
+void bind_factor_structures(nb::module_& m) {
     structure<Factors>(m, "Factors",
                        {"lu", "pivots", "rows", "columns", "slips", "slopes", "present", "spread", "gather"},
                        "LU factors of the Jacobian of a state.");
@@ -82,7 +82,7 @@ void bind_iteration(nb::module_& m) {
 }  // namespace
 
 void bind_solver(nb::module_& m) {
-    bind_structures(m);
+    bind_factor_structures(m);
     bind_factors(m);
     bind_iteration(m);
 }
