@@ -355,6 +355,47 @@ def test_links_of_the_front_page_resolve() -> None:
     assert all((ROOT / link).exists() for link in links)
 
 
+def paragraphs(text: str) -> Iterator[str]:
+    """Paragraphs and entries of lists of a page in Markdown, without code, equations, tables and headings."""
+    text = re.sub(r"^(```|:::|\$\$).*?^\1$", "\n", text, flags=re.MULTILINE | re.DOTALL)
+    for block in re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) )", text):
+        yield "\n".join(line for line in block.splitlines() if not re.match(r"\s*(\||#|<!--|%)", line))
+
+
+OTHERS = {DOCS / "how-to/export.md"}  # whose paragraphs are still to be split
+
+
+def test_paragraphs_are_short() -> None:
+    """Outside the theory, whose arguments need more."""
+    pages = [p for p in sorted(DOCS.rglob("*.md")) if p.relative_to(DOCS).parts[0] != "theory" and p not in OTHERS]
+    pages += [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+    long = {
+        f"{file.name}: {words} words: {text.strip()[:60]}"
+        for file in pages
+        for text in paragraphs(file.read_text(encoding="utf-8"))
+        if (words := len(text.split())) > 120
+    }
+    assert len(pages) > 30
+    assert not long
+    sample = "# T\n\na b\nc\n\n- d e\n- f\n| g |\n\n```sh\nh\n```\n\ni"
+    assert [len(text.split()) for text in paragraphs(sample) if text.strip()] == [3, 3, 2, 1]
+
+
+def test_limits_are_brief() -> None:
+    """A bold sentence for each, and at most two further lines."""
+    entries = re.findall(r"^- (.*(?:\n  .*)*)", (DOCS / "limits.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert len(entries) > 20
+    assert [entry for entry in entries if not entry.startswith("**") or entry.count("\n") > 2] == []
+
+
+def test_changelog_is_one_line_for_each_change() -> None:
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert len(text.encode()) < 15_000
+    for line in text.splitlines():
+        assert len(line) <= 160, line
+        assert not line or line.startswith(("- ", "#")) or line[0].isupper(), f"not an entry of one line: {line}"
+
+
 # https://github.com/citation-file-format/citation-file-format, schema 1.2.0: required keys, and the others that we use.
 CFF_REQUIRED = {"cff-version", "message", "title", "authors"}
 CFF_OPTIONAL = {"abstract", "date-released", "keywords", "license", "references", "type", "version"}
