@@ -226,6 +226,28 @@ def test_no_circular_imports_of_packages() -> None:
     assert circle(graph) == []
 
 
+def levels(top: str) -> list[list[str]]:
+    """Packages of a folder by the rules, each level above those that it imports."""
+    below: dict[str, set[str]] = {}
+    for package, allowed in MAY_IMPORT.items():
+        if (name := package.partition(".")[2].partition(".")[0]) and package.startswith(f"{top}."):
+            others = {other.split(".")[1] for other in allowed if other.startswith(f"{top}.")}
+            below.setdefault(name, set()).update(others - {name})
+    sorter = TopologicalSorter(below)
+    sorter.prepare()
+    found = []
+    while sorter.is_active():
+        found.append(sorted(sorter.get_ready()))
+        sorter.done(*found[-1])
+    return found
+
+
+@pytest.mark.parametrize("top", ["meshes", "contact", "vehicle", "scenes"])
+def test_contributing_lists_the_levels(top: str) -> None:
+    row = " → ".join(", ".join(f"`{name}`" for name in level) for level in levels(top))
+    assert f"| `{top}` | {row} |" in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_own_imports_are_absolute(path: Path) -> None:
     assert not roots(path, nested=True) & {*SCIENCE, "scenes", "support", "api", "cli", "benchmarks", "tests"}
