@@ -44,12 +44,30 @@ for name in ("numpy", "scipy", "mpi4py", "petsc4py", "slepc4py", "cffi", "h5py",
         pass
 PY
 install() { "$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$venv/constraints.txt" "$@"; }
+/usr/bin/python3 - "$extras" "$venv" <<'PY'
+import sys
+import tomllib
+from pathlib import Path
+
+extras, venv = sys.argv[1:]
+about = tomllib.loads(Path("pyproject.toml").read_text())
+project = about["project"]
+needed = project["dependencies"] + sum((project["optional-dependencies"][extra] for extra in extras.split(",")), [])
+for name, lines in {"build": about["build-system"]["requires"], "needed": needed}.items():
+    Path(venv, f"{name}.txt").write_text("\n".join(lines) + "\n")
+PY
 # What builds the compiled core stays, to build it again after an edit: `make core`.
-/usr/bin/python3 -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"], sep="\n")' \
-  >"$venv/build.txt"
 install -r "$venv/build.txt"
 echo "compiling the core and installing what it is used with"
-PATH="$(cd "$venv" && pwd)/bin:$PATH" install --no-build-isolation -e ".[$extras]"
+PATH="$(cd "$venv" && pwd)/bin:$PATH"
+{ cmake -S bindings -B bindings -G Ninja -DPython_EXECUTABLE="$(command -v python)" && exec ninja -C bindings; } \
+  >"$venv/core.log" 2>&1 &
+core=$!
+trap 'kill $core 2>/dev/null || true' EXIT
+trap 'exit 130' INT TERM
+install -r "$venv/needed.txt"
+wait $core || { cat "$venv/core.log" >&2; exit 1; }
+install --no-build-isolation -e ".[$extras]"
 "$venv/bin/python" -c "import dolfinx, numpy; print('dolfinx', dolfinx.__version__, '- numpy', numpy.__version__)"
 touch "$venv/ready" "$venv/$state"  # whatever is ready for more is ready
 [ "$state" != ready-to-test ] || touch "$venv/ready-for-notebooks"
