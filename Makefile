@@ -7,7 +7,7 @@ SCENE ?= scenes/curve.toml
 RELEASE ?= trixie
 JOBS ?= 2
 PY = $(VENV)/bin/python
-CORE = $(wildcard bindings/*.[ch]pp) $(shell find contact meshes vehicle wheelrail/support -name '*.hpp')
+CORE = $(wildcard bindings/*.[ch]pp) $(shell find contact meshes vehicle wheelrail/support wheelrail/export -name '*.hpp')
 # Ninja counts its jobs by itself.
 TOOLS = MAKEFLAGS= PATH=$(abspath $(VENV))/bin:$$PATH
 # One thread per process: the dense blocks are small, and threads that wait cost more than they bring.

@@ -220,14 +220,14 @@ void bind_searches(nb::module_& m) {
         "and (3, 3); separated surfaces have minus their gap. part: first of the lines that may overlap the rail, and "
         "one past the last; samples: their scan.");
     m.def(
-        "first_beyond",
-        [](const Scan& samples, const Part& part) {
-            require(0 <= part.first && part.second <= samples.depth.size(), "part: must be of the lines");
-            return first_beyond(samples, part);
+        "overlap",
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+           const Lines& lines, const std::string& wheel_name, const std::string& rail_name) {
+            require(lines.of(rail), "lines: must be those of the rail");
+            return overlap({wheel, rail, radius}, pose(origin, rotation), lines, wheel_name, rail_name);
         },
-        "samples"_a, "part"_a,
-        "First line of a part of a scan at which the penetration reaches an end of the wheel's profile, or of the "
-        "rail's; -1 without.");
+        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "lines"_a, "wheel_name"_a, "rail_name"_a, Unlocked(),
+        "Text on an overlap whose regions are beyond what is solved; others as for `wheel_regions`.");
     m.def(
         "wheel_regions",
         [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,

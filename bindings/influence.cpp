@@ -32,8 +32,6 @@ void bind_structures(nb::module_& m) {
     structure<PoseMeans>(m, "PoseMeans", {"place", "smooth"}, "Part of the tables that depends on the pose.");
     structure<BodyTables>(m, "BodyTables", {"upper", "lower", "share"},
                           "Tables of the deviation of each body from a half-space, and shares in their compliance.");
-    structure<BulkCompliance>(m, "BulkCompliance", {"arc", "values", "filled", "moves", "bounds"},
-                              "Compliance of a body between its lines.");
     structure<CellRule>(m, "CellRule", {"nodes", "to_powers", "integrals", "changes"},
                         "Constants of the polynomials of a cell of a table.");
     structure<LatticeStrips>(m, "LatticeStrips", {"sides", "angle", "stretch"},

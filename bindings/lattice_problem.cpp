@@ -36,18 +36,35 @@ LatticeState state_of(const LatticeProblem& problem, Indices strips, const Array
 }
 
 void bind_bodies(nb::module_& m) {
+    structure<DeviationWeights>(m, "DeviationWeights", {"arc", "bounds", "even", "odd"},
+                                "How coefficients of a finite body are sums over K numbers of the spectra of pairs of "
+                                "lines: arc (ns,) m, of the lines; bounds (2,) m, their ends; weights even and odd "
+                                "(cells (DEGREE + 1), K) of even and odd components.");
     nb::class_<FiniteBody>(m, "FiniteBody", "Deviation of a finite body from a half-space between its lines.")
         .def(
             "__init__",
-            [](FiniteBody* self, const BulkCompliance& bulk, const BetweenAllLines& lines, FiniteBody::Fill fill) {
-                long n = bulk.arc.size();
-                require(lines.shape == std::array{n, n, count_of(START), long(DEGREE + 1), long(COMPONENTS)},
-                        "lines: must be (ns, ns, cells, DEGREE + 1, COMPONENTS)");
-                new (self) FiniteBody(bulk, lines, std::move(fill));
+            [](FiniteBody* self, const DeviationWeights& weights, bool moves, FiniteBody::Spectra spectra) {
+                require(weights.arc.size() > 1, "weights: must be of lines");
+                new (self) FiniteBody(weights, moves, std::move(spectra));
             },
-            "bulk"_a, "lines"_a, "fill"_a, nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
-            "fill computes the values of both arrays between two tiles of lines, first <= second, in both orders, and "
-            "marks them as filled.");
+            "weights"_a, "moves"_a, "spectra"_a,
+            "moves: whether strips move on it; spectra(i, j) gives those (R, C, SPECTRA, K) of the displacement of the "
+            "lines of a tile by loads on those of another one, i <= j.")
+        .def(
+            "coefficients",
+            [](FiniteBody& body, double low, double high) {
+                auto [first, stop] = body.between(low, high);
+                const auto& [ns, other, cells, powers, components] = body.lines.shape;
+                Array<double, 5> some(std::array{stop - first, stop - first, cells, powers, components});
+                for (long i = first; i < stop; ++i) {
+                    auto from = body.lines[i].part(first, stop);
+                    std::copy(from.begin(), from.end(), some[i - first].begin());
+                }
+                return some;
+            },
+            "low"_a, "high"_a, Unlocked(),
+            "Coefficients (n, n, cells, DEGREE + 1, COMPONENTS) between the lines that cover a part of the surface, "
+            "m.");
     nb::class_<LatticeTables>(m, "LatticeTables", "Tables of half-spaces and bodies under the strips of a lattice.")
         .def(
             "__init__",
@@ -87,20 +104,20 @@ void bind_problem(nb::module_& m) {
         [](LatticeSetting* self, const SurfaceData& surface, const std::optional<nb::object>& lines,
            const Array<double, 2>& outline, std::shared_ptr<LatticeTables> tables, const StripBasis& basis,
            const StripBasis& first, const StripBasis& second, const std::vector<nb::object>& starts,
-           const ResidualCode& law, const Lapack& solver, double margin, long apart, double tolerance) {
+           const ResidualCode& law, double margin, long apart, double tolerance) {
             std::vector<Owned<StripBasis>> bases;
             bases.reserve(starts.size());
             for (const auto& basis : starts) bases.push_back(owned(nb::cast<Kept<StripBasis>&>(basis).data));
             Owned<Lines> whole;
             if (lines) whole = owned(nb::cast<Kept<Lines>&>(*lines).data);
-            LatticeSetting made{owned(surface), whole,         outline,  std::move(tables), owned(basis),
-                                owned(first),   owned(second), bases,    owned(law),        solver,
-                                margin,         apart,         tolerance};
+            LatticeSetting made{owned(surface), whole,        outline,       std::move(tables),
+                                owned(basis),   owned(first), owned(second), bases,
+                                owned(law),     margin,       apart,         tolerance};
             require(made.fits(), "LatticeSetting: lengths do not fit");
             new (self) LatticeSetting(std::move(made));
         },
         "surface"_a, "lines"_a.none(), "outline"_a, "tables"_a, "basis"_a, "first"_a, "second"_a, "starts"_a, "law"_a,
-        "solver"_a, "margin"_a, "apart"_a, "tolerance"_a,
+        "margin"_a, "apart"_a, "tolerance"_a,
         "lines of the wheel's whole profile, None for quadrics; outline (2, n) m of the rail, ascending; bases of "
         "the strips, of equal cells of unloaded ones and of starts; margin m, largest gap that displacements may "
         "close; apart: strips between those at which the penetration is estimated first; tolerance of the last "

@@ -1,7 +1,6 @@
 // Python's face of laws of friction and pressure.
-#include "contact/laws/core/law.hpp"
+#include "contact/laws/core/law_library.hpp"
 
-#include <dlfcn.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
@@ -13,50 +12,6 @@ using namespace wr;
 using namespace nanobind::literals;
 
 namespace {
-
-// A library that stays loaded until the process ends.
-void* loaded(const std::string& path) {
-    void* library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (!library) throw nb::value_error(dlerror());
-    return library;
-}
-
-template <class T>
-void find(void* library, const char* name, T*& found) {
-    found = reinterpret_cast<T*>(dlsym(library, name));
-    if (!found) throw nb::value_error((std::string("the library of a law has no ") + name).c_str());
-}
-
-long number(void* library, const char* name) {
-    const long* at = nullptr;
-    find(library, name, at);
-    return *at;
-}
-
-FrictionCode friction_code(const std::string& path) {
-    FrictionCode code;
-    void* library = loaded(path);
-    find(library, "coefficient", code.coefficient);
-    find(library, "residual", code.residual);
-    find(library, "bounded_residual", code.bounded_residual);
-    find(library, "slopes", code.slopes);
-    find(library, "bounded_slopes", code.bounded_slopes);
-    find(library, "mean_residual", code.mean_residual);
-    find(library, "mean_slopes", code.mean_slopes);
-    find(library, "bounds", code.bounds);
-    code.parameters = number(library, "parameters");
-    code.depends_on_speed = number(library, "depends_on_speed");
-    code.depends_on_pressure = number(library, "depends_on_pressure");
-    return code;
-}
-
-PressureCode pressure_code(const std::string& path) {
-    PressureCode code;
-    void* library = loaded(path);
-    find(library, "pressure", code.pressure);
-    code.parameters = number(library, "parameters");
-    return code;
-}
 
 void require(bool fits) {
     if (!fits) throw nb::value_error("law: lengths or indices do not fit");

@@ -11,40 +11,36 @@ void bind_factor_structures(nb::module_& m) {
     structure<Factors>(m, "Factors",
                        {"lu", "pivots", "rows", "columns", "slips", "slopes", "present", "spread", "gather"},
                        "LU factors of the Jacobian of a state.");
-    structure<Lapack>(m, "Lapack", {"sgetrf", "sgetrs", "dgesv", "dgetrf", "dgetrs"},
-                      "Addresses of functions of LAPACK.");
 }
 
 void bind_factors(nb::module_& m) {
-    m.def("factorised", &factorised, "at"_a, "solver"_a, Unlocked(),
-          "Whether a Jacobian is regular, and its `Factors`.");
+    m.def("factorised", &factorised, "at"_a, Unlocked(), "Whether a Jacobian is regular, and its `Factors`.");
     m.def(
         "newton_step",
-        [](const Factors& factors, const Lapack& solver, Rows residual) {
+        [](const Factors& factors, Rows residual) {
             require(residual.count() == factors.rows.size(), "residual: must be (S, block)");
-            return newton_step(factors, solver, residual);
+            return newton_step(factors, residual);
         },
-        "factors"_a, "solver"_a, "residual"_a, Unlocked(),
-        "Step (S, block) that cancels the linearised residual (S, block).");
+        "factors"_a, "residual"_a, Unlocked(), "Step (S, block) that cancels the linearised residual (S, block).");
     m.def(
         "solve_transposed",
-        [](const Factors& factors, const Lapack& solver, Rows jacobian, Rows right) {
+        [](const Factors& factors, Rows jacobian, Rows right) {
             long n = factors.rows.size();
             require(jacobian.shape == std::array{n, n} && right.shape[1] == n,
                     "jacobian, right: must be (n, n), (k, n)");
-            return solve_transposed(factors, solver, jacobian, right);
+            return solve_transposed(factors, jacobian, right);
         },
-        "factors"_a, "solver"_a, "jacobian"_a, "right"_a, Unlocked(),
+        "factors"_a, "jacobian"_a, "right"_a, Unlocked(),
         "Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the "
         "Jacobian (n, n) of factors that are not corrected.");
     m.def(
         "renewed",
-        [](const Factors& factors, const Array<double, 3>& slopes, Numbers rho, const Lapack& solver) {
+        [](const Factors& factors, const Array<double, 3>& slopes, Numbers rho) {
             require(slopes.shape == factors.slopes.shape && rho.size() == slopes.shape[1],
                     "slopes: must be (S, M, 18)");
-            return renewed(factors, slopes, rho, solver);
+            return renewed(factors, slopes, rho);
         },
-        "factors"_a, "slopes"_a, "rho"_a, "solver"_a, Unlocked(),
+        "factors"_a, "slopes"_a, "rho"_a, Unlocked(),
         "Factors with the present slopes (S, M, 18) of the friction residual, and before them whether there are any.");
 }
 
@@ -58,13 +54,13 @@ void bind_iteration(nb::module_& m) {
                      "State after some steps with the same factors.");
     m.def(
         "chords",
-        [](const Array<double, 2>& values, const EquationData& data, const Factors& factors, const Lapack& solver,
-           double tolerance, double farthest) {
+        [](const Array<double, 2>& values, const EquationData& data, const Factors& factors, double tolerance,
+           double farthest) {
             require_values(values, data);
             require(fit(factors, values.size(), data.mode() / 2, values.shape[1]), "factors: of other strips");
-            return chords(values, data, factors, solver, tolerance, farthest);
+            return chords(values, data, factors, tolerance, farthest);
         },
-        "values"_a, "data"_a, "factors"_a, "solver"_a, "tolerance"_a, "farthest"_a, Unlocked(),
+        "values"_a, "data"_a, "factors"_a, "tolerance"_a, "farthest"_a, Unlocked(),
         "`Steps` from values (S, block) with the factors of an earlier state; tolerance of the last step, relative; "
         "farthest: first step beyond which the state is of no use.");
     m.def(

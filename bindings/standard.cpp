@@ -229,7 +229,7 @@ void bind_wheels(nb::module_& m) {
         [](const Parameters& p, const WheelPairs& pairs, const WheelForces& forces, long i) {
             require(pairs.size() == forces.wrench.size() && 0 <= i && i < pairs.size() && forces.touches(i),
                     "i: must be a wheel of the pairs that touches its rail");
-            return wheel_patches(p, pairs, forces, i);
+            return wheel_patches(p, pairs[i], regions_of(forces, i));
         },
         "p"_a, "pairs"_a, "forces"_a, "i"_a, Unlocked(),
         "Rows of all patches of wheel i by decreasing load, as `patch_rows`; parameters as for `wheel_tangents`.");

@@ -10,17 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.bindings._contact import (
-    TOO_DEEP,
     VIRTUAL,
     Lines,
     PenetrationRegions,
-    first_beyond,
     half_strips,
-    lines_to_scan,
-    overlap_text,
-    scan,
     wheel_regions,
 )
+from wheelrail.bindings._contact import overlap as core_overlap
 from wheelrail.contact.geometry.quadric_pair import curvature, vertical_approach
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.meshes.profiles.profile import Profile
@@ -53,16 +49,8 @@ def profile_regions(
 
 def overlap(wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines) -> str:
     """Text on an overlap whose regions are beyond what is solved; parameters as for `profile_regions`."""
-    part = lines_to_scan(lines, radius, *pose.arrays)
-    samples = scan(rail.shape, lines, radius, *pose.arrays, part)
-    i = first_beyond(samples, part)
-    if i >= 0:
-        profile = wheel if i in (0, len(lines.s) - 1) else rail
-        return overlap_text(samples.depth[i], wheel.point(lines.s[i]), f"where profile {profile.name} ends")
-    i = int(samples.depth.argmax())
-    if samples.depth[i] > 0.0:
-        return overlap_text(samples.depth[i], wheel.point(lines.s[i]), "where no contact point was found")
-    return TOO_DEEP
+    names = wheel.name, rail.name
+    return str(core_overlap(wheel.shape, rail.shape, radius, *pose.arrays, lines, *names))
 
 
 def quadric_regions(

@@ -108,6 +108,12 @@ def _friction(law: FrictionLaw) -> FrictionFunctions:
     return functions
 
 
+def friction_library(law: FrictionLaw) -> bytes:
+    """The library with the functions of a law's class; raises as `friction_functions`."""
+    name, text = _named("friction", law, friction_source)
+    return c_library.loaded(name, text, lambda path: Path(path).read_bytes())
+
+
 def pressure_function(law: NormalLaw) -> PressureFunction:
     """Compiled functions of a normal law; raises as `friction_functions`."""
     parameters(law)  # raises TypeError

@@ -16,7 +16,7 @@ import scipy.linalg as la
 
 from wheelrail.contact.kinematics.contact_points import SurfacePoints
 from wheelrail.contact.kinematics.copies import changed
-from wheelrail.contact.kinematics.frames import MIRROR, RigidMotion
+from wheelrail.contact.kinematics.frames import MIRROR, RigidMotion, cross
 from wheelrail.contact.kinematics.sensitivity import displacement_derivative, rigid_slip, skew
 from wheelrail.contact.laws.linearised_friction import LinearisedFriction
 from wheelrail.contact.laws.parameters import ContactLaws
@@ -175,7 +175,7 @@ class ContactTangent:
         The columns are the changes of `wheelrail.contact.kinematics.sensitivity`.
         """
         change = self.of.matrix.copy()
-        change[3:] -= skew(self.centre) @ change[:3]
+        change[3:] -= cross(self.centre, change[:3].T).T
         return np.asarray(MIRRORED[:, None] * change * np.tile(MIRRORED, 2)) if self.mirror else change
 
 

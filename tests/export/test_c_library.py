@@ -137,7 +137,6 @@ def test_header_and_module_have_the_numbers_of_the_table(folder: Path) -> None:
     ("arguments", "says"),
     [
         ([], "export: exactly one of --out DIR, --fmu FILE, --c DIR and --csv FILE is required"),
-        (["scene.toml", "--c", "x"], "export: scene.toml: not allowed with --c"),
         (["--fmu", "x.fmu"], "export: SCENE is required"),
         ([str(SCENES / "wheelset.toml"), "--fmu", "x.zip"], "--fmu x.zip: must end in .fmu"),
         ([str(SCENES / "hertz.toml"), "--fmu", "x.fmu"], f'{SCENES / "hertz.toml"}: kind = "hertz": must be'),

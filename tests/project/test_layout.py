@@ -110,7 +110,8 @@ for _index, _name in enumerate(_SCENES[1:], 1):
     MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
 MAY_IMPORT["cli"] = _BELOW | {"export", "scenes"} | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["export"] = {"api", "api.elements", "scenes.schema", "support"}
-MAY_IMPORT["export"] |= {f"contact.{name}" for name in ("element", "kinematics", "laws")}
+MAY_IMPORT["export"] |= {f"contact.{name}" for name in ("element", "geometry", "kinematics", "laws", "models")}
+MAY_IMPORT["export"] |= {"bindings", "contact.models.lattice", "contact.models.standard"}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
 _OF_CONTACT = {f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")}
 MAY_IMPORT["api.elements"] = _OF_CONTACT | {"scenes.schema", "support"}
@@ -274,7 +275,7 @@ def test_a_solve_from_the_cache_loads_no_heavy_library(name: str) -> None:
     assert not roots(ROOT / name, nested=False) & HEAVY
 
 
-CORE = sorted(file for top in (*SCIENCE, "wheelrail/support") for file in (ROOT / top).glob("**/core/*.hpp"))
+CORE = sorted(file for top in (*SCIENCE, "wheelrail/support", "wheelrail/export") for file in (ROOT / top).glob("**/core/*.hpp"))
 
 
 @pytest.mark.parametrize("path", CORE, ids=lambda path: str(path.relative_to(ROOT)))

@@ -16,7 +16,8 @@ Scene = Annotated[
     Path | None,
     typer.Argument(
         metavar="SCENE",
-        help="Scene file (TOML), with --c only for --runtime; with --csv results of a run: run.nc or its folder.",
+        help="Scene file (TOML); without one --c is a library that opens scenes by Python; "
+        "with --csv results of a run: run.nc or its folder.",
         show_default=False,
     ),
 ]
@@ -43,7 +44,7 @@ def export(
     fmi: Annotated[str, typer.Option("--fmi", metavar="VERSION", help="Version of the unit: 2.0 or 3.0.")] = "2.0",
     runtime: Annotated[
         bool,
-        typer.Option("--runtime", help="Library or unit that can be moved: with this package and the compliances."),
+        typer.Option("--runtime", help="Library or unit with this package and compliances, which starts Python."),
     ] = False,
 ) -> None:
     """Write fields of all contacts of a scene for ParaView, a run as CSV, or a contact element for other programs."""
@@ -51,12 +52,10 @@ def export(
         raise rejected("export: exactly one of --out DIR, --fmu FILE, --c DIR and --csv FILE is required")
     if runtime and fmu is None and c is None:
         raise rejected("export: --runtime: allowed only with --fmu and --c")
-    if c is not None and scene is not None and not runtime:
-        raise rejected(f"export: {scene}: not allowed with --c without --runtime; programs open scenes themselves")
     if scene is None and (c is None or runtime):
         raise rejected("export: SCENE is required")
     if c is not None:
-        _library(c, scene)
+        _library(c, scene, runtime)
     elif scene is not None and fmu is not None:
         _unit(scene, fmu, fmi, runtime)
     elif scene is not None and csv is not None:
@@ -76,14 +75,14 @@ def _csv(results: Path, file: Path) -> None:
     print_files("export", file)
 
 
-def _library(folder: Path, scene: Path | None) -> None:
+def _library(folder: Path, scene: Path | None, runtime: bool) -> None:
     if scene is not None:
         _check_wheelset(scene)
     from wheelrail.export.library import export_library
 
     results_folder(folder, folder)
     with error_lines(f"{scene}: " if scene is not None else "", f"{folder}: "), stdout_for_results():
-        made = export_library(folder, scene)
+        made = export_library(folder, scene, runtime=runtime)
     print_files("export", made)
 
 

@@ -8,7 +8,7 @@
 
 static int report(int element, const char *what)
 {
-    char text[500] = "Python or the package could not be loaded";
+    char text[500] = "the library could not be used";
     wheelrail_error(element, text, sizeof text);
     fprintf(stderr, "%s: %s\n", what, text);
     return 1;
@@ -32,7 +32,7 @@ int main(int count, char **arguments)
             lift = out[WHEELRAIL_OUT_LEFT_FZ] + out[WHEELRAIL_OUT_RIGHT_FZ];
             residual = mass * (trial - z - h * z_rate) / (h * h) + weight - lift;
             if (fabs(residual) < 1e-6 * weight) break;
-            if (!wheelrail_tangent(element, WHEELRAIL_IN_Z, slope)) /* the standard model has none */
+            if (!wheelrail_tangent(element, WHEELRAIL_IN_Z, slope)) /* Polach's formula has none */
                 stiffness = -slope[WHEELRAIL_OUT_LEFT_FZ] - slope[WHEELRAIL_OUT_RIGHT_FZ];
             else if (iteration > 0 && trial != before)
                 stiffness = -(lift - lift_before) / (trial - before);

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from importlib.resources import files
 
 from wheelrail.api.elements.variables import FORCES, INPUTS, OUTPUTS, PATCH, Variable
+from wheelrail.bindings._contact import INTERFACE
 
-VERSION = 100  # of the interface: changes that break programs add 100
 _TABLES: tuple[tuple[str, str, Sequence[Variable]], ...] = (
     ("IN", "inputs of wheelrail_solve", INPUTS),
     ("OUT", "outputs of wheelrail_solve", OUTPUTS),
@@ -17,8 +17,10 @@ _TABLES: tuple[tuple[str, str, Sequence[Variable]], ...] = (
 FUNCTIONS = """\
 /* Version of the interface that the library has, WHEELRAIL_VERSION of its header. */
 int wheelrail_version(void);
-/* Number of a new element, 0 for a failure. options: JSON object of arguments of wheelrail.Wheelset, "scene" for a file
- * in the folder, "left_friction" and "right_friction"; folder: NULL for the working directory. */
+/* Number of a new element, 0 for a failure. options: JSON object, "friction", "left_friction" and "right_friction" are
+ * coefficients. Without Python "scene" is an exported file in the folder, by default contact.wheelset in that of the
+ * library; with Python it is a scene, the folder by default the working directory, and other options are arguments of
+ * wheelrail.Wheelset. */
 int wheelrail_open(const char *options, const char *folder);
 int wheelrail_close(int element);
 /* Inputs of the scene's state. */
@@ -47,7 +49,7 @@ def c_header() -> str:
     body = "\n".join(line for table in _TABLES for line in _enumeration(*table))
     return (
         _resource("wheelrail.h.in")
-        .replace("@VERSION@", str(VERSION))
+        .replace("@VERSION@", str(INTERFACE))
         .replace("@FORCES@", str(len(FORCES)))
         .replace("@TABLES@", body)
         .replace("@FUNCTIONS@", FUNCTIONS.rstrip())

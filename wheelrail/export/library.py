@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import logging
 import os
 import shutil
 import subprocess
@@ -12,9 +14,17 @@ from importlib.resources import files
 from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from wheelrail.export.header import FUNCTIONS, c_header, fortran_module
+from wheelrail.export.host import loaded_wheelset
+from wheelrail.export.native import copy_library, needs_python, write_native
 from wheelrail.export.runtime import export_runtime, write_scene
+
+if TYPE_CHECKING:
+    from wheelrail.api.wheelset import Wheelset
+
+log = logging.getLogger(__name__)
 
 EXAMPLES = ("example.c", "example.f90")
 SETTINGS = ("WHEELRAIL_CACHE",)  # of the environment, that hosts may set anew
@@ -45,16 +55,17 @@ define(ffi)
 """
 
 
-def export_library(folder: Path, scene: Path | None = None) -> Path:
+def export_library(folder: Path, scene: Path | None = None, *, runtime: bool = False) -> Path:
     """Write wheelrail.h, the shared library, a Fortran module and examples into a folder; returns the library's path.
 
     Parameters:
         folder: is created.
-        scene: of a wheelset, whose compliances are in the library's runtime folder; without a scene the library uses
-            this installation.
+        scene: of a wheelset, which the library solves without Python if it can; otherwise, and without a scene, it
+            starts the Python of this installation.
+        runtime: whether it starts a Python, whose packages and compliances of the scene are in a runtime folder.
 
-    Raises OSError for a folder that cannot be written, without cffi, a C compiler or Python's headers, and OSError and
-    SceneError as `export_runtime`.
+    Raises OSError for a folder that cannot be written, with Python without cffi, a C compiler or Python's headers,
+    ValueError as `write_native`, OSError and SceneError as `export_runtime`.
     """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "wheelrail.h").write_text(c_header(), encoding="utf-8")
@@ -62,11 +73,27 @@ def export_library(folder: Path, scene: Path | None = None) -> Path:
     for name in EXAMPLES:
         (folder / name).write_text(_text(name), encoding="utf-8")
     library = folder / "libwheelrail.so"
-    if scene is not None:
+    if scene is not None and not runtime:
+        wheelset = loaded_wheelset(json.dumps({"scene": scene.name}), scene.parent)
+        if is_native(wheelset, library):
+            write_native(wheelset, folder)
+            copy_library(library)
+            return library
+        write_scene(scene, folder)
+    elif scene is not None:
         write_scene(scene, folder / RUNTIME)
         export_runtime(folder / RUNTIME, folder / RUNTIME)
-    compile_library(library, "wheelrail_c", "", RUNTIME if scene is not None else "")
+    compile_library(library, "wheelrail_c", "", RUNTIME if runtime else "")
     return library
+
+
+def is_native(wheelset: Wheelset, made: Path) -> bool:
+    """Whether the contact of a wheelset is solved without Python, which is logged for the file that is made."""
+    if python := needs_python(wheelset):
+        log.info("%s starts Python, which solves %s", made.name, python)
+    else:
+        log.info("%s needs no Python", made.name)
+    return not python
 
 
 def compile_library(library: Path, module: str, source: str, runtime: str = "") -> None:

@@ -1,6 +1,6 @@
-/* A functional mock-up unit on the functions of wheelrail.h, for both versions of FMI; after that header and the
- * generated constants TOKEN, START, PARAMETER_START and PARAMETER_NAME in one file. The contact has no states of its
- * own: outputs are functions of inputs. Number of a variable: inputs from 0, outputs from OUT, parameters from
+/* A functional mock-up unit on the functions of wheelrail.h, for both versions of FMI; in one file after that header and
+ * SCENE, the name of the unit's file among its resources, and before the function `constants`. The contact has no states
+ * of its own: outputs are functions of inputs. Number of a variable: inputs from 0, outputs from OUT, parameters from
  * PARAMETER, patches of both sides from PATCH, and TIME. Functions return a status of FMI.
  */
 #include <stdio.h>
@@ -10,7 +10,18 @@
 enum { OUT = 100, PARAMETER = 200, PATCH = 300, TIME = 400, STATES = 256, PARAMETERS = 2, INITIAL = STATES };
 enum { OK, WARNING, DISCARD, ERROR }; /* of FMI 2.0 and 3.0 */
 
+/* Of a unit: its token, and start values of inputs and parameters. */
+typedef struct {
+    char token[64];
+    double in[WHEELRAIL_INPUTS], parameter[PARAMETERS];
+} Constants;
+
+static int constants(const char *folder, Constants *own);
+
+static const char *const PARAMETER_NAME[] = {"left_friction", "right_friction"};
+
 typedef struct Unit {
+    Constants first;
     int element, solved;
     double time, in[WHEELRAIL_INPUTS], out[WHEELRAIL_OUTPUTS], parameter[PARAMETERS];
     char given[PARAMETERS], used[STATES]; /* parameters that were set; places of stored states */
@@ -27,7 +38,7 @@ typedef struct {
 
 static int report(const Unit *u, int status, const char *text)
 {
-    char own[1000] = "Python or the package could not be loaded";
+    char own[1000] = "the library could not be used";
     if (!text) {
         wheelrail_error(u->element, own, sizeof own);
         text = own;
@@ -45,7 +56,7 @@ static void shut(Unit *u)
 
 static int open_element(Unit *u)
 {
-    char options[300] = "{\"scene\": \"scene.toml\"";
+    char options[300] = "{\"scene\": \"" SCENE "\"";
     int k;
     if (u->element) return OK;
     for (k = 0; k < PARAMETERS; k++)
@@ -77,8 +88,8 @@ static int accept(Unit *u)
 static void start(Unit *u)
 {
     u->time = 0.0;
-    memcpy(u->in, START, sizeof u->in);
-    memcpy(u->parameter, PARAMETER_START, sizeof u->parameter);
+    memcpy(u->in, u->first.in, sizeof u->in);
+    memcpy(u->parameter, u->first.parameter, sizeof u->parameter);
     memset(u->given, 0, sizeof u->given);
 }
 
@@ -99,13 +110,16 @@ static Unit *make(const char *name, const char *token, const char *folder, Unit 
     *u = settings;
     u->name = strdup(name ? name : "");
     u->folder = strdup(folder ? folder : "");
-    start(u);
-    if (!token || strcmp(token, TOKEN)) {
+    if (constants(u->folder, &u->first))
+        report(u, ERROR, NULL);
+    else if (!token || strcmp(token, u->first.token))
         report(u, ERROR, "the instantiation token (GUID) is not that of the unit");
-        release(u);
-        return NULL;
+    else {
+        start(u);
+        return u;
     }
-    return u;
+    release(u);
+    return NULL;
 }
 
 static int reset(Unit *u)

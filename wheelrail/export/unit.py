@@ -6,16 +6,17 @@ import re
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 from uuid import uuid4
 from zipfile import ZIP_DEFLATED, ZipFile
 
 from wheelrail.api.elements.variables import PARAMETERS
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.export.host import loaded_inputs, loaded_wheelset
-from wheelrail.export.library import compile_library
+from wheelrail.export.library import compile_library, is_native
 from wheelrail.export.model_description import Fmi, UnitModel, model_description
+from wheelrail.export.native import copy_library, write_native
 from wheelrail.export.runtime import export_runtime, write_scene
+from wheelrail.export.warm_up import SCENE
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import WheelsetScene, load_scene
 from wheelrail.support.atomic_file import atomic_file
@@ -32,7 +33,9 @@ def export_unit(scene: Path, unit: Path, fmi: Fmi = "2.0", *, runtime: bool = Fa
         scene: wheelset scene (TOML).
         unit: file to write.
         fmi: version of the interface.
-        runtime: whether the unit holds a runtime folder, and needs no installation of this package.
+        runtime: whether the unit starts a Python, with the packages of a runtime folder in it.
+
+    Without runtime a contact that can be solved without Python is; others start the Python of this installation.
 
     Start values are an equilibrium with the load of the scene. Raises SceneError for another scene, ValueError for a
     load that cannot be carried, OSError without a compiler, cffi or Python's headers, or for a file that cannot
@@ -49,22 +52,28 @@ def export_unit(scene: Path, unit: Path, fmi: Fmi = "2.0", *, runtime: bool = Fa
         for place in (resources, binaries):
             place.mkdir(parents=True)
         write_scene(scene, resources)
+        wheelset = loaded_wheelset(f'{{"scene": "{SCENE}"}}', resources)
+        native = not runtime and is_native(wheelset, unit)
         if runtime:
             export_runtime(resources / "runtime", resources)
+        if native:
+            write_native(wheelset, resources, token)
         model = UnitModel(
             fmi=fmi,
             identifier=re.sub(r"\W", "_", f"wheelrail_{unit.stem}", flags=re.ASCII),
             token=token,
             version=versions()["wheelrail"],
-            start=loaded_inputs(loaded_wheelset('{"scene": "scene.toml"}', resources)).tolist(),
+            start=loaded_inputs(wheelset).tolist(),
             friction=numbers if len(numbers) == len(SIDES) else (),
-            has_tangent=checked.model != "standard",
+            has_tangent=checked.model != "standard" or (native and checked.tangential != "polach"),
         )
         (folder / "modelDescription.xml").write_text(model_description(model), encoding="utf-8")
         library = binaries / f"{model.identifier}.so"
-        compile_library(
-            library, f"_{model.identifier}_{token.replace('-', '')}", _source(model), RUNTIME if runtime else ""
-        )
+        if native:
+            copy_library(library)
+        else:
+            module = f"_{model.identifier}_{token.replace('-', '')}"
+            compile_library(library, module, _source(model), RUNTIME if runtime else "")
         with atomic_file(unit) as part, ZipFile(part, "w", ZIP_DEFLATED) as archive:
             for file in sorted(folder.rglob("*")):
                 if file.is_file():
@@ -73,12 +82,15 @@ def export_unit(scene: Path, unit: Path, fmi: Fmi = "2.0", *, runtime: bool = Fa
 
 def _source(model: UnitModel) -> str:
     """C code of the FMI functions, with the constants of the unit."""
-    friction: list[Any] = list(model.friction) or [0.0] * len(PARAMETERS)
-    constants = (
-        f'#define TOKEN "{model.token}"',
-        f"static const double START[] = {{{', '.join(map(repr, model.start))}}};",
-        f"static const double PARAMETER_START[] = {{{', '.join(map(repr, friction))}}};",
-        "static const char *const PARAMETER_NAME[] = {" + ", ".join(f'"{v.name}"' for v in PARAMETERS) + "};",
-    )
-    sources = (files("wheelrail.export").joinpath(name) for name in ("unit.c", f"fmi{model.fmi[0]}.c"))
-    return "\n".join((*constants, *(source.read_text(encoding="utf-8") for source in sources)))
+    friction: list[float] = list(model.friction) or [0.0] * len(PARAMETERS)
+    start, coefficients = (", ".join(map(repr, numbers)) for numbers in (model.start, friction))
+    constants = f'''static int constants(const char *folder, Constants *own)
+{{
+    static const Constants values = {{"{model.token}", {{{start}}}, {{{coefficients}}}}};
+    (void)folder;
+    *own = values;
+    return 0;
+}}'''
+    unit, fmi = (files("wheelrail.export").joinpath(name) for name in ("unit.c", f"fmi{model.fmi[0]}.c"))
+    texts = unit.read_text(encoding="utf-8"), constants, fmi.read_text(encoding="utf-8")
+    return "\n".join((f'#define SCENE "{SCENE}"', *texts))

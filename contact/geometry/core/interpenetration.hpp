@@ -3,6 +3,7 @@
 // J. Piotrowski, W. Kik, Vehicle System Dynamics 46 (2008) 27-48, doi:10.1080/00423110701586444.
 #pragma once
 #include "contact/geometry/core/merging.hpp"
+#include "contact/geometry/core/overlap.hpp"
 #include "contact/geometry/core/surface_gap.hpp"
 
 namespace wr {
@@ -68,6 +69,20 @@ inline long first_beyond(const Scan& samples, const Part& part) {
         if (after < part.second && sample(after) < 0 && 2.0 * depth(i) > depth(before)) return i;
     }
     return -1;
+}
+
+// Text on an overlap whose regions are beyond what is solved; names of the profiles.
+inline std::string overlap(const WheelRail& pair, const Pose<double>& pose, const Lines& lines,
+                           const std::string& wheel, const std::string& rail) {
+    Part part = lines_to_scan(lines, pair.radius, pose);
+    auto samples = scan(pair.rail, lines, pair.radius, pose, part);
+    auto text = [&](long i, const std::string& reason) {
+        return overlap_text(samples.depth(i), local(pair.wheel, lines.s(i)).point, reason);
+    };
+    if (long i = first_beyond(samples, part); i >= 0)
+        return text(i, "where profile " + (i == 0 || i == lines.s.size() - 1 ? wheel : rail) + " ends");
+    long i = std::max_element(samples.depth.begin(), samples.depth.end()) - samples.depth.begin();
+    return samples.depth(i) > 0.0 ? text(i, "where no contact point was found") : TOO_DEEP;
 }
 
 // Position m up to which the half of a region around maximum j may extend, in direction -1 or 1: the minimum before the

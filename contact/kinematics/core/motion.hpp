@@ -7,6 +7,8 @@
 
 namespace wr {
 
+constexpr int CHANGES = 12;  // six rigid motions of the wheel, changes of its velocity and of its angular velocity
+
 inline Vec<double> vec_of(const Numbers& a) { return {a(0), a(1), a(2)}; }
 inline Matrix<double> matrix_of(const Rows& a) {
     return {{a(0, 0), a(1, 0), a(2, 0)}, {a(0, 1), a(1, 1), a(2, 1)}, {a(0, 2), a(1, 2), a(2, 2)}};

@@ -76,7 +76,7 @@ inline void friction_bounds(const ResidualCode& law, Rows s, Numbers p, double s
     law.code->bounds(p.size(), s.data, p.data, speed, law.parameters.data, bounds.data);
 }
 
-// dF/dq (2 k, 2 k) of k points, each column in a row, for LAPACK: slopes (k, 12) of the residual, ds/dq (2 k, 2 k)
+// dF/dq (2 k, 2 k) of k points, transposed: slopes (k, 12) of the residual, ds/dq (2 k, 2 k)
 // 1/Pa, and dp/dq (k, 2 k), without rows where the pressure does not depend on the tractions.
 inline void assembled(Rows slopes, Rows slip, Rows pressure, View<double, 2> columns) {
     long k = slopes.size();

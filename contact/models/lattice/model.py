@@ -33,8 +33,8 @@ from wheelrail.contact.models.lattice.system.friction import residual_code
 from wheelrail.contact.models.lattice.system.surface import motion_data, surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
-from wheelrail.support.lapack import lapack
 from wheelrail.support.memory import check_memory
 
 log = logging.getLogger(__name__)
@@ -46,7 +46,11 @@ SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
 START_CELLS = 8, 12, 16, 24  # along a strip, at a start without an earlier result
 PROBES = 6, 12  # along an unloaded strip, to find where its penetration is largest, and around there
-MOST_CELLS, NARROWER = 48, (1, 2)  # along a strip, and halvings of its width, in search of a pressure without tension
+FINER, MOST_CELLS, NARROWER = (
+    (2, 4),
+    48,
+    (1, 2),
+)  # cells along a strip, in search of a pressure without tension: more, at most so many, and halvings of its width
 GAP = 3e-4  # m, largest gap that displacements may close on ordinary strips
 SAMPLES = 400  # of the rail's profile
 
@@ -137,12 +141,17 @@ class LatticeContact:
     @cached_property
     def _finer(self) -> tuple[LatticeContact, ...]:
         """The model with more cells along the same strips, then on narrower ones; without finer ones of their own."""
-        cells = [n * self.resolution.cells for n in (2, 4) if n * self.cells <= MOST_CELLS]
-        models = [replace(self, resolution=replace(self.resolution, cells=n), estimate=False) for n in cells]
+        cells = [replace(self.resolution, cells=n * self.resolution.cells) for n in self.finer_cells]
+        models = [replace(self, resolution=resolution, estimate=False) for resolution in cells]
         models += [replace(self, level=self.level + n, estimate=False) for n in NARROWER]
         for model in models:
             self._sharing(model).__dict__.update(_finer=())
         return tuple(models)
+
+    @property
+    def finer_cells(self) -> list[int]:
+        """Factors of the cells along strips of the models with more of them."""
+        return [n for n in FINER if n * self.cells <= MOST_CELLS]
 
     @cached_property
     def _levels(self) -> LatticeLevels:
@@ -165,8 +174,7 @@ class LatticeContact:
     def _setting(self) -> LatticeSetting:
         lines, outline = None, np.zeros((2, 0))
         if isinstance(surfaces := self.operators.surfaces, ProfileStrips):
-            rail = surfaces.rail.point(np.linspace(*surfaces.rail.s_range, SAMPLES))
-            lines, outline = surfaces.rigid.lines, np.ascontiguousarray(rail[np.argsort(rail[:, 0])].T)
+            lines, outline = surfaces.rigid.lines, rail_outline(surfaces)
         return LatticeSetting(
             self.surface,
             lines,
@@ -177,9 +185,8 @@ class LatticeContact:
             equal_cells(PROBES[1]),
             [equal_cells(cells, self._problem) for cells in START_CELLS],
             residual_code(self.laws),
-            lapack(),
-            GAP / 2**self.level,  # the approach falls with the square of the width or, of long patches, less
-            strips_apart(self.resolution.strips * 2**self.level),
+            margin(self.level),
+            self.apart(self.level),
             self.tolerance,
         )
 
@@ -187,10 +194,17 @@ class LatticeContact:
     def tables(self) -> LatticeTables:
         """Compliance of pairs of strips of the lattice."""
         if self.level not in self._tables:
-            surfaces, upper = self.operators.surfaces, self.operators.upper
-            sides = lattice_sides(surfaces, upper.arc, self.resolution.strips * 2**self.level, self.offset)
-            self._tables[self.level] = self.operators.tables(sides, rolls=self.tangential == "rolling")
+            self._tables[self.level] = self.operators.tables(self.sides(self.level), self.tangential == "rolling")
         return self._tables[self.level]
+
+    def sides(self, level: int) -> Array:
+        """Lateral bounds (K + 1,) m of the strips on a level."""
+        strips = self.resolution.strips * 2**level
+        return lattice_sides(self.operators.surfaces, self.operators.upper.arc, strips, self.offset)
+
+    def apart(self, level: int) -> int:
+        """Strips between those at which the penetration is estimated first, on a level."""
+        return strips_apart(self.resolution.strips * 2**level)
 
     @cached_property
     def _tables(self) -> dict[int, LatticeTables]:
@@ -224,6 +238,19 @@ class LatticeContact:
         check_memory(name, gigabytes)
         if seconds > LONG:
             log.info("%s: %.2g GB, about %.2g s per Newton step", name, gigabytes, seconds)
+
+
+def rail_outline(surfaces: ProfileStrips) -> Array:
+    """Places across, ascending, and heights (2, n) m of the rail's surface."""
+    rail = surfaces.rail.point(np.linspace(*surfaces.rail.s_range, SAMPLES))
+    return np.ascontiguousarray(rail[np.argsort(rail[:, 0])].T)
+
+
+def margin(level: int) -> float:
+    """Largest gap m that displacements may close on a level: the approach falls with the square of the width or, of
+    long patches, less.
+    """
+    return GAP / 2**level
 
 
 def _start(guess: ContactResult | None) -> LatticeStart | None:

@@ -18,11 +18,13 @@ from wheelrail.bindings._contact import (
     PairElasticity,
     Parameters,
     RigidVelocities,
+    StandardData,
     StripFrames,
     StripFriction,
     StripPressures,
     hertzian,
     slip_velocities,
+    standard_failure,
     strip_forces,
     virtual_penetration,
 )
@@ -41,9 +43,6 @@ from wheelrail.support.arrays import Array
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
 CELLS = 16  # along each strip
-LARGEST_PRESSURE = 0.19  # of E*: a patch on a sphere is then 0.3 times as wide as that, too wide for half-spaces
-TOO_DEEP = "the bodies overlap by {:.3g} mm, too deep for half-spaces: {:.3g} GPa are above {:g} E* = {:.3g} GPa"
-CONFORMAL = "the surfaces conform: a semi-axis of {:.3g} mm is not on the bodies, whose extent is {:.3g} mm"
 
 
 @dataclass(frozen=True)
@@ -159,7 +158,7 @@ class StandardContact:
             return ContactResult.separated(approach)
         cells, strips = contacts.cells, contacts.strips
         extent, pressure = (strips.along.max(), strips.across.max()), (strips.scale * strips.half).max()
-        failure = self._failure(approach, extent, cells.speed.min(), pressure)
+        failure = self._failure(np.array([approach, 0.0, 0.0, 0.0, *extent, cells.speed.min(), pressure]))
         if failure:
             return ContactResult.failed(failure, approach)
         return ContactResult(
@@ -196,21 +195,20 @@ class StandardContact:
 
     @cached_property
     def _extent(self) -> tuple[float, float]:
-        return self.surfaces.extent
+        along, across = self.surfaces.extent
+        return float(along), float(across)
 
-    def _failure(self, approach: float, semi_axes: tuple[float, float], speed: float, pressure: float) -> str:
-        """Why a result with this approach m, largest semi-axes m, smallest rolling speed m/s and largest pressure Pa is
-        none; empty if it is one.
-        """
-        for axis, largest in zip(semi_axes, self._extent, strict=True):
-            if not axis < largest:
-                return CONFORMAL.format(1e3 * axis, 1e3 * largest)
-        highest = LARGEST_PRESSURE * self.elasticity.E_star
-        if pressure > highest:
-            return TOO_DEEP.format(1e3 * approach, 1e-9 * pressure, LARGEST_PRESSURE, 1e-9 * highest)
-        if self.method != NO_FRICTION and not speed > 0.0:
-            return f"friction needs a positive rolling speed, got {speed:g} m/s; with mu = 0 any is allowed"
-        return ""
+    @cached_property
+    def data(self) -> StandardData | None:
+        """What libraries without Python need; None as for `together`."""
+        if self.together is None or not isinstance(self.surfaces, RigidWheelRail):
+            return None
+        method = FASTSIM if self.tangential == "fastsim" else POLACH
+        return StandardData(self.together, self._extent, self.surfaces.wheel.name, self.surfaces.rail.name, method)
+
+    def _failure(self, values: Array) -> str:
+        """Why a result with values (8,), see `WheelForces`, is none; empty if it is one."""
+        return standard_failure(self._extent, self.elasticity.E_star, self.method, values)
 
     def results(self, solved: SolvedWheels) -> list[ContactResult]:
         """Results of wheels that were solved together, with patches and fields on demand."""
@@ -220,7 +218,7 @@ class StandardContact:
 
     def _result(self, solved: SolvedWheels, i: int, values: list[float], force: Array, moment: Array) -> ContactResult:
         """Result of wheel i."""
-        approach, beyond, contacts, points, along, across, speed, pressure = values
+        approach, beyond, contacts, points = values[:4]
         if beyond:
             assert isinstance(self.surfaces, RigidWheelRail)
             return ContactResult.failed(
@@ -228,7 +226,7 @@ class StandardContact:
             )
         if not contacts:
             return ContactResult.separated(approach)
-        failure = self._failure(approach, (along, across), speed, pressure)
+        failure = self._failure(solved.forces.values[i])
         if failure:
             return ContactResult.failed(failure, approach)
         details = _Details(self, solved, i)

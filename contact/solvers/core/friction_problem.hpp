@@ -71,15 +71,8 @@ class FrictionProblem {
     // slip: S (2 n, 2 n) 1/Pa, by the tractions. rigid: (2 n,), rigid slip over the rolling speed. shift: T (2 n, n)
     // 1/Pa, slip by the pressure; without rows if contained in rigid. speed: m/s; slip velocities are zero without it.
     FrictionProblem(const Array<double, 2>& slip, const Array<double, 1>& rigid, const Array<double, 2>& shift,
-                    const PressureResponse& pressure, const ResidualCode& law, double speed, const Lapack& solver)
-        : slip(slip),
-          rigid(rigid),
-          shift(shift),
-          pressure(pressure),
-          law(law),
-          speed(speed),
-          solver(solver),
-          rho(rigid.size() / 2) {
+                    const PressureResponse& pressure, const ResidualCode& law, double speed)
+        : slip(slip), rigid(rigid), shift(shift), pressure(pressure), law(law), speed(speed), rho(rigid.size() / 2) {
         long n = rho.size();
         double largest = 0.0;
         for (long i = 0; i < n; ++i) {
@@ -138,7 +131,7 @@ class FrictionProblem {
         factors.reset();
         Jacobian made{Array<double, 2>(2 * k, 2 * k), Array<int, 1>(2 * k)};
         assembled(slopes, by_traction, t.held ? Array<double, 2>(0, 0) : by_pressure, made.columns);
-        if (!solver.factorise(View<double, 2>(made.columns), made.pivots))
+        if (!factorise<double>(made.columns, made.pivots))
             throw SingularMatrix("the Jacobian of the friction problem is singular");
         factors = made;
         return solved(t, index, made);
@@ -199,7 +192,7 @@ class FrictionProblem {
         long k = long(index.size());
         Array<double, 2> right(1, 2 * k), step(2, rho.size());
         for (long c = 0; c < 2 * k; ++c) right(0, c) = -t.F(c / k, index[c % k]);
-        solver.solve(at.columns, at.pivots, right);
+        solve_transposed<double>(at.columns, at.pivots, right);
         for (long c = 0; c < 2 * k; ++c) step(c / k, index[c % k]) = right(0, c);
         return step;
     }
@@ -210,7 +203,6 @@ class FrictionProblem {
     PressureResponse pressure;
     const ResidualCode& law;
     double speed;
-    const Lapack& solver;
     Array<double, 1> rho;
     std::optional<Linearisation> known;
     Mask known_active, known_loaded;

@@ -5,7 +5,7 @@
 #include <deque>
 #include <vector>
 
-#include "support/core/lapack.hpp"
+#include "support/core/lu.hpp"
 #include "support/core/owned.hpp"
 
 namespace wr {
@@ -36,12 +36,12 @@ inline Array<double, 2> chosen_of(Rows matrix, const std::vector<long>& rows) {
 // of the latest sets of active points.
 class NormalResponse {
   public:
-    NormalResponse(const Array<double, 2>& compliance, const Lapack& solver) : compliance(compliance), solver(solver) {}
+    explicit NormalResponse(const Array<double, 2>& compliance) : compliance(compliance) {}
 
     // Replace right-hand sides (k, a) of the a active points by the pressures.
     void solve(const Mask& active, View<double, 2> right) {
         const auto& of = factors(active);
-        solver.solve(of.lu, of.pivots, right);
+        wr::solve<double>(of.lu, of.pivots, right);
     }
 
     struct Solution {
@@ -104,15 +104,14 @@ class NormalResponse {
         // columns are scaled by the points' areas: positive definite up to that scaling, but not symmetric
         Factors made{active, Array<double, 2>(a, a), Array<int, 1>(a)};
         for (long i = 0; i < a; ++i)
-            for (long k = 0; k < a; ++k) made.lu(k, i) = compliance(index[i], index[k]);
-        solver.factorise(View<double, 2>(made.lu), made.pivots);
+            for (long k = 0; k < a; ++k) made.lu(i, k) = compliance(index[i], index[k]);
+        factorise<double>(made.lu, made.pivots);
         if (stored.size() >= STORED_SETS) stored.pop_front();
         stored.push_back(made);
         return stored.back();
     }
 
     Array<double, 2> compliance;
-    const Lapack& solver;
     std::deque<Factors> stored;
 };
 

@@ -15,7 +15,7 @@ constexpr int HALVING = 8;            // steps within which the residual must ha
 constexpr int BOUND_ITERATIONS = 60;  // of the fixed-point iteration of the bounds
 constexpr double NEAR_BOUND = 0.1;    // of the bound: residual below which Newton's method is tried again
 constexpr double CHORD = 0.1;         // largest reduction of the residual at which a step with old factors is accepted
-constexpr double TINY = 1e-300;       // keeps divisors positive
+constexpr double LEAST_NORM = 1e-300;  // keeps divisors positive
 
 inline Array<double, 2> moved_by(const Array<double, 2>& q, double factor, const Array<double, 2>& step) {
     auto moved = Array<double, 2>::copy(q);
@@ -31,7 +31,7 @@ inline FrictionState damped(FrictionProblem& friction, FrictionState t) {
     for (int k = 0; k < NEWTON_STEPS; ++k) {
         norms.push_back(t.norm);
         if (k >= HALVING && t.norm > 0.5 * norms[k - HALVING]) break;
-        if (t.norm <= STEPS_TOLERANCE * std::max(norm(t.bound), TINY)) return t;
+        if (t.norm <= STEPS_TOLERANCE * std::max(norm(t.bound), LEAST_NORM)) return t;
         if (stalls == STALLS) break;
         if (chords)
             if (auto step = friction.chord(t)) {
@@ -63,7 +63,7 @@ inline FrictionState damped(FrictionProblem& friction, FrictionState t) {
 inline FrictionState undamped(FrictionProblem& friction, FrictionState t) {
     for (int k = 0; k < FULL_STEPS; ++k) {
         t = friction.at(moved_by(t.q, 1.0, friction.step(t)), t.active);
-        if (t.norm <= STEPS_TOLERANCE * std::max(norm(t.bound), TINY)) return t;
+        if (t.norm <= STEPS_TOLERANCE * std::max(norm(t.bound), LEAST_NORM)) return t;
     }
     throw NotConverged("friction did not converge in full steps");
 }
@@ -125,8 +125,8 @@ inline Mask first_active(Numbers penetration) {
 }
 
 // Pressures alone, from N (n, n) m/Pa and the undeformed penetration (n,) m. Throws NotConverged.
-inline Tractions solve_pressures(const Array<double, 2>& compliance, Numbers penetration, const Lapack& solver) {
-    NormalResponse normal(compliance, solver);
+inline Tractions solve_pressures(const Array<double, 2>& compliance, Numbers penetration) {
+    NormalResponse normal(compliance);
     return {normal.pressures(penetration, first_active(penetration)).pressure, Array<double, 2>(2, penetration.size())};
 }
 
@@ -134,7 +134,7 @@ inline Tractions solve_pressures(const Array<double, 2>& compliance, Numbers pen
 // penetration; its last columns act on -p. penetration: (n,) m, undeformed. rigid: (2 n,), creepage. speed: m/s, for
 // friction that depends on the slip velocity. Throws NotConverged, SingularMatrix.
 inline Tractions solve_tractions(Rows matrix, Numbers penetration, const Array<double, 1>& rigid,
-                                 const ResidualCode& law, double speed, const Lapack& solver) {
+                                 const ResidualCode& law, double speed) {
     long n = penetration.size();
     auto compliance = block_of(matrix, {2 * n, 2 * n}, {n, n}, 1.0),
          slip = block_of(matrix, {0, 0}, {2 * n, 2 * n}, 1.0);
@@ -146,12 +146,12 @@ inline Tractions solve_tractions(Rows matrix, Numbers penetration, const Array<d
         return most;
     };
     bool coupled = largest(coupling) > ROUND_OFF * largest(compliance);
-    NormalResponse normal(compliance, solver);
+    NormalResponse normal(compliance);
     Array<double, 2> none(0, 0), q(2, n);
     auto active = first_active(penetration);
     if (coupled) {
         PressureResponse response{&normal, Array<double, 1>::copy(penetration), coupling};
-        FrictionProblem friction(slip, rigid, shift, response, law, speed, solver);
+        FrictionProblem friction(slip, rigid, shift, response, law, speed);
         auto state = tangential_contact(friction, q, active);
         return {state.pressure, state.q};
     }
@@ -165,7 +165,7 @@ inline Tractions solve_tractions(Rows matrix, Numbers penetration, const Array<d
     Array<double, 1> own(k), own_creep(2 * k);
     for (long i = 0; i < k; ++i) own(i) = pressure(index[i]);
     for (long i = 0; i < 2 * k; ++i) own_creep(i) = creep(rows[i]);
-    FrictionProblem friction(chosen_of(slip, rows), own_creep, none, {nullptr, own, none}, law, speed, solver);
+    FrictionProblem friction(chosen_of(slip, rows), own_creep, none, {nullptr, own, none}, law, speed);
     auto state = tangential_contact(friction, Array<double, 2>(2, k), Mask(k, true));
     for (long i = 0; i < 2 * k; ++i) q(i / k, index[i % k]) = state.q.data[i];
     return {pressure, q};

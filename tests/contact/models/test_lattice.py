@@ -50,7 +50,6 @@ from wheelrail.contact.solvers.tractions import solve_tractions
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt, deferred_interrupts
-from wheelrail.support.lapack import lapack
 from wheelrail.support.memory import TooLarge
 
 STEEL = Material()
@@ -452,11 +451,11 @@ def test_solutions_are_refined_to_double_precision(smallest: float) -> None:
     nothing = *(np.zeros((0, 2, 0)),) * 2, np.zeros((0, 0))
     evaluation = Evaluation(False, np.zeros((0, 0)), np.zeros((0, 0, 3)), np.zeros((0, 0)), *nothing)
     at = Linearisation(evaluation, np.eye(n), slips, slopes)
-    empty = factorised(at, lapack())[1]
+    empty = factorised(at)[1]
     jacobian = scaled / (empty.rows[:, None] * empty.columns)
-    factors = factorised(at._replace(jacobian=jacobian), lapack())[1]
+    factors = factorised(at._replace(jacobian=jacobian))[1]
     expected = empty.rows[:, None] * random.standard_normal((n, 4))
-    found = solve_transposed(factors, lapack(), jacobian, (jacobian.T @ expected).T.copy()).T
+    found = solve_transposed(factors, jacobian, (jacobian.T @ expected).T.copy()).T
     size = np.abs(expected / empty.rows[:, None]).max()
     assert np.abs((found - expected) / empty.rows[:, None]).max() < max(1e-14 / smallest, 1e-6) * size
 
@@ -482,8 +481,8 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
     place = rolling(-5e-3, -0.34e-3, creepage=5e-4)
     at, problem = start(contact(place, "left")), contact.model.problem(*contact.mounting.left_pair(place))
     linearisation = linearised(at.values, problem.of(at.strips))
-    factors = factorised(linearisation, lapack())[1]
-    assert not renewed(factors, linearisation.slopes, problem.rho, lapack())[0]
+    factors = factorised(linearisation)[1]
+    assert not renewed(factors, linearisation.slopes, problem.rho)[0]
     by_pressure = np.abs(linearisation.slopes[..., 10:12]).max(axis=-1)
     sticks, slides = by_pressure < 1e-6, by_pressure > 0.5 * by_pressure.max()
     assert sticks.any()
@@ -495,7 +494,7 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
     for cells in (few, few & sticks):
         slopes = linearisation.slopes.copy()
         slopes[cells & sticks], slopes[cells & slides] = (slopes[*other] for other in reversed(others))
-        changed, present = renewed(factors, slopes, problem.rho, lapack())
+        changed, present = renewed(factors, slopes, problem.rho)
         assert changed
         assert len(present.gather) == 2 * cells.sum()
         jacobian = with_friction(linearisation, slopes)
@@ -503,12 +502,12 @@ def test_renewed_factors_are_those_of_cells_that_slip_or_stick(friction: float |
         residual /= factors.rows.reshape(residual.shape)
         scaled = factors.rows[:, None] * jacobian * factors.columns  # without, 1 % of the steps may be lost
         expected = np.linalg.solve(scaled, -factors.rows * residual.ravel())
-        found, old = (newton_step(used, lapack(), residual).ravel() / factors.columns for used in (present, factors))
+        found, old = (newton_step(used, residual).ravel() / factors.columns for used in (present, factors))
         assert np.abs(found - expected).max() < 1e-4 * np.abs(expected).max() < np.abs(old - expected).max()
         factors = present
     few[:] = True
     slopes[few & sticks], slopes[few & slides] = (slopes[*other] for other in reversed(others))
-    assert not renewed(factors, slopes, problem.rho, lapack())[0]
+    assert not renewed(factors, slopes, problem.rho)[0]
 
 
 def test_cells_that_begin_to_slip_need_no_jacobian() -> None:

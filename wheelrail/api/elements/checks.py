@@ -19,7 +19,7 @@ def _range(quantity: Any) -> q.Range:
     return limits
 
 
-OFFSET, ANGLE, RATE = _range(q.Offset), _range(q.Angle), _range(q.Rate)
+OFFSET, ANGLE, RATE, FRICTION = _range(q.Offset), _range(q.Angle), _range(q.Rate), _range(q.Friction)
 SPEED = replace(_range(q.Speed), low=0.0, open=False)  # standing still is a state of a program
 RANGES: Mapping[str, q.Range] = {
     **dict.fromkeys(("x", "y", "z"), OFFSET),

@@ -42,7 +42,7 @@ struct LatticeOutcome {
 inline TangentSums derivatives_of(LatticeProblem& problem, const LatticeSolution& solution, Rows weights) {
     TangentPlaces places{problem.lines, problem.lattice(), problem.tables().lines()};
     const auto& data = problem.of(solution.state.strips);
-    TangentSums sums(solution.state.values, data, places, problem.all().solver, weights);
+    TangentSums sums(solution.state.values, data, places, weights);
     if (!sums.inside) throw OutsideSurface(PATCH_TOO_LONG);
     if (!sums.regular) throw NotConverged("the Jacobian of the contact is singular");
     return sums;

@@ -29,21 +29,27 @@ class StripOperators:
     lower: HalfSpaceInfluence
 
     @cached_property
-    def bodies(self) -> tuple[FiniteBody | None, FiniteBody | None]:
+    def corrections(self) -> tuple[BodyCorrection | None, BodyCorrection | None]:
         """Deviations of both bodies from half-spaces; None of a half-space."""
         upper, lower = (
-            BodyCorrection(body, outward).finite_body(moves) if isinstance(body, ElementInfluence) else None
-            for body, outward, moves in zip((self.upper, self.lower), OUTWARD, (False, self._moves), strict=True)
+            BodyCorrection(body, outward) if isinstance(body, ElementInfluence) else None
+            for body, outward in zip((self.upper, self.lower), OUTWARD, strict=True)
         )
         return upper, lower
 
+    @cached_property
+    def bodies(self) -> tuple[FiniteBody | None, FiniteBody | None]:
+        """The same for the core."""
+        upper, lower = self.corrections
+        return upper and upper.finite_body(False), lower and lower.finite_body(self.moves)
+
     @property
-    def _moves(self) -> bool:
+    def moves(self) -> bool:
         """Whether strips move on the lower body."""
         return not isinstance(self.surfaces, QuadricStrips)
 
-    def tables(self, sides: Array, rolls: bool = True) -> LatticeTables:
-        """Tables of pairs of strips.
+    def strips(self, sides: Array, rolls: bool = True) -> tuple[LatticeStrips, Array, HalfSpaces]:
+        """Strips of the upper body, their slenderness (K,), and the half-spaces under both bodies.
 
         Parameters:
             sides: (K + 1,) m, lateral bounds of the strips on the upper body.
@@ -59,5 +65,8 @@ class StripOperators:
             np.array(OUTWARD),
             radius or 0.0,
         )
-        slender = slenderness(self.surfaces, middle)
-        return LatticeTables(strips, slender, spaces, RULE, *self.bodies, self._moves)
+        return strips, np.ascontiguousarray(slenderness(self.surfaces, middle)), spaces
+
+    def tables(self, sides: Array, rolls: bool = True) -> LatticeTables:
+        """Tables of pairs of strips; parameters of `strips`."""
+        return LatticeTables(*self.strips(sides, rolls), RULE, *self.bodies, self.moves)

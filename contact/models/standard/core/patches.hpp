@@ -103,10 +103,9 @@ inline Array<double, 2> patch_rows(const Numbers& weight, const StripPressures& 
     return rows;
 }
 
-// Rows of all patches of wheel i by decreasing load, as `patch_rows`.
-inline Array<double, 2> wheel_patches(const Parameters& p, const WheelPairs& pairs, const WheelForces& forces, long i) {
-    auto own = pairs[i];
-    auto zones = penetration_regions(regions_of(forces, i));
+// Rows of all patches of a wheel with these regions by decreasing load, as `patch_rows`.
+inline Array<double, 2> wheel_patches(const Parameters& p, const LeftPair<double>& own, const WheelRegions& found) {
+    auto zones = penetration_regions(found);
     auto strips = virtual_penetration(zones, p.elastic.E_star);
     auto frames = strip_frames(p.pair(), own.pose, zones, strips);
     long n = strips.s.size();

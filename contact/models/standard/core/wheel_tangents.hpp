@@ -5,7 +5,6 @@
 
 namespace wr {
 
-constexpr int CHANGES = 12;  // six rigid motions of the wheel, changes of its velocity and of its angular velocity
 using ByMotion = Dual<CHANGES>;
 
 // Motion of wheel and rail, which varies with the pose (the reference point of the wheel's moves with its frame) and in

@@ -28,7 +28,6 @@ from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.support.arrays import Array
-from wheelrail.support.lapack import lapack
 
 STEEL = Material(2.1e11, 0.3)
 ROLLING = RigidMotion(*(Twist(np.array([v, 0.0, 0.0]), np.zeros(3), np.zeros(3)) for v in (-0.9995, -1.0005)))
@@ -51,7 +50,7 @@ def solution(model: LatticeContact, depth: float) -> tuple[LatticeProblem, Latti
     assert isinstance(start, LatticeStart)
     (found,) = start.solutions
     assert found is not None
-    found.factors = factorised(linearised(found.values, problem.of(found.strips)), lapack())[1]
+    found.factors = factorised(linearised(found.values, problem.of(found.strips)))[1]
     return problem, found
 
 
@@ -78,19 +77,19 @@ def broyden(values: Array, problem: LatticeProblem, start: LatticeSolution, eval
 def start_jacobian(start: LatticeSolution) -> Array:
     """Jacobian (n, n) of the factors of a solution, scaled back."""
     factors, n = start.factors, len(start.factors.rows)
-    lower, upper = np.tril(factors.lu.T, -1) + np.eye(n), np.triu(factors.lu.T)
+    lower, upper = np.tril(factors.lu, -1) + np.eye(n), np.triu(factors.lu)
     product = lower.astype(float) @ upper.astype(float)
     for k in range(n - 1, -1, -1):
-        other = factors.pivots[k] - 1
+        other = factors.pivots[k]
         product[[k, other]] = product[[other, k]]
-    return np.asarray(product.T / (factors.rows[:, None] * factors.columns))
+    return np.asarray(product / (factors.rows[:, None] * factors.columns))
 
 
 def test_steps_are_those_of_explicit_rank_one_updates(model: LatticeContact) -> None:
     _, start = solution(model, DEPTH)
     problem, _ = solution(model, 1.02 * DEPTH)
     values = start.values
-    steps = chords(values, problem.of(start.strips), start.factors, lapack(), 1e-6, np.inf)
+    steps = chords(values, problem.of(start.strips), start.factors, 1e-6, np.inf)
     assert steps.converged
     assert steps.evaluations >= 3
     expected, step = broyden(values, problem, start, steps.evaluations)
@@ -105,16 +104,16 @@ def test_updates_save_residuals(model: LatticeContact) -> None:
     for nearby in (0.95, 0.97, 1.01, 1.03):
         _, start = solution(model, nearby * DEPTH)
         values = start.values
-        steps = chords(values, data, start.factors, lapack(), 1e-8, np.inf)
+        steps = chords(values, data, start.factors, 1e-8, np.inf)
         assert steps.converged
         final = moved(steps.values, steps.step, 1.0, data.places.whole)
         assert relative_size(final, final - here.values)[0] < 1e-7
         updated += steps.evaluations
         plain += 1
-        step = newton_step(start.factors, lapack(), evaluate(values, data).residual)
+        step = newton_step(start.factors, evaluate(values, data).residual)
         while relative_size(start.values, step)[0] >= 1e-8:
             values = moved(values, step, 1.0, data.places.whole)
-            step = newton_step(start.factors, lapack(), evaluate(values, data).residual)
+            step = newton_step(start.factors, evaluate(values, data).residual)
             plain += 1
     assert updated < 0.85 * plain
 
@@ -124,7 +123,7 @@ def test_steps_that_contract_slowly_end(model: LatticeContact) -> None:
     problem, here = solution(model, DEPTH)
     _, start = solution(model, 1.01 * DEPTH)
     factors = start.factors._replace(columns=0.4 * start.factors.columns)
-    steps = chords(start.values, problem.of(here.strips), factors, lapack(), 1e-8, np.inf)
+    steps = chords(start.values, problem.of(here.strips), factors, 1e-8, np.inf)
     assert not steps.converged
     assert steps.first > CONTRACTION
     assert steps.evaluations == 2

@@ -9,7 +9,6 @@
 
 namespace wr {
 
-constexpr int CHANGES = 12;  // of the pose, the first six, and of the upper body's velocity and angular velocity
 
 using ByPose = Dual<POSE>;
 using ByChanges = Dual<CHANGES>;

@@ -38,13 +38,13 @@ struct TangentSums {
 
     TangentSums() = default;
     // Of the unknowns (S, block) with weights (k, S block).
-    TangentSums(Rows values, const EquationData& data, const TangentPlaces& places, const Lapack& solver, Rows weights)
+    TangentSums(Rows values, const EquationData& data, const TangentPlaces& places, Rows weights)
         : changes(weights.size(), CHANGES) {
         auto at = linearised(values, data);
         inside = at.evaluation.inside;
-        std::tie(regular, factors) = factorised(at, solver);
+        std::tie(regular, factors) = factorised(at);
         if (!inside || !regular) return;
-        auto multipliers = solve_transposed(factors, solver, at.jacobian, weights);
+        auto multipliers = solve_transposed(factors, at.jacobian, weights);
         auto by = residual_changes(values, data, places.lines, places.lattice, places.arc, at.slopes);
         for (long i = 0; i < weights.size(); ++i)
             for (long n = 0; n < values.count(); ++n)

@@ -21,14 +21,13 @@ struct Advance {
 // at another pose: the first steps are taken with them, and are no iterations. There is none if the factors are not
 // those of as many unknowns. entered: see `iterate`; probes, lines, barred: see `search`.
 inline Advance advance(Rows initial, const EquationData& data, KeptFactors kept, bool earlier, bool entered,
-                       const Limits& limits, const Lapack& solver, const Probes& probes, const ContactLines& lines,
-                       Indices barred) {
+                       const Limits& limits, const Probes& probes, const ContactLines& lines, Indices barred) {
     auto values = Array<double, 2>::copy(initial);
     long evaluations = 0, cells = data.rolls() ? data.basis.M() : 0;
     bool goes_on = !earlier;
     Progress progress{TOO_LONG, values, Array<bool, 1>(values.size()), INFINITE, kept, 0, 0, 0};
     if (earlier && fit(kept.factors, values.size(), cells, values.shape[1])) {
-        auto steps = chords(values, data, kept.factors, solver, limits.tolerance, limits.farthest);
+        auto steps = chords(values, data, kept.factors, limits.tolerance, limits.farthest);
         values = steps.values, evaluations = steps.evaluations;
         kept.valid = true, kept.evaluation = steps.evaluation;
         progress = {TOO_LONG, values, Array<bool, 1>(values.size()), steps.size, kept, 0, 0, evaluations};
@@ -41,7 +40,7 @@ inline Advance advance(Rows initial, const EquationData& data, KeptFactors kept,
         }
     }
     if (goes_on) {
-        progress = iterate(values, data, kept, entered, limits, solver);
+        progress = iterate(values, data, kept, entered, limits);
         progress.evaluations += evaluations;
     }
     if (progress.event != CONVERGED && progress.event != ENTRY) return {progress, false, {}};

@@ -18,7 +18,7 @@ constexpr double LEFT = 0.3;         // of the tolerance, error left by the last
 // (S, block), their evaluation, and the first step (S, block). tolerance: of the last step, relative.
 inline Steps further_steps(const Array<double, 2>& start, const Array<double, 2>& first_step,
                            const Evaluation& evaluation, const EquationData& data, const Factors& factors,
-                           const Lapack& solver, double tolerance) {
+                           double tolerance) {
     const auto& whole = data.places.whole;
     auto [size, before] = relative_size(start, first_step);
     Steps at{false, start, first_step, {}, size, INFINITE, evaluation, 0};
@@ -34,7 +34,7 @@ inline Steps further_steps(const Array<double, 2>& start, const Array<double, 2>
         steps.push_back(at.step), squares.push_back(before * before);
         ++at.evaluations;
         if (!ahead.inside) break;
-        auto following = newton_step(factors, solver, ahead.residual);
+        auto following = newton_step(factors, ahead.residual);
         for (std::size_t i = 1; i < steps.size(); ++i) {
             double weight = inner_product(start, following, steps[i - 1]) / squares[i - 1];
             for (long k = 0; k < following.count(); ++k) following.data[k] += weight * steps[i].data[k];
@@ -56,15 +56,15 @@ inline Steps further_steps(const Array<double, 2>& start, const Array<double, 2>
 
 // Steps from values (S, block) with the factors of an earlier state; farthest: first step beyond which the state is of
 // no use.
-inline Steps chords(const Array<double, 2>& values, const EquationData& data, const Factors& factors,
-                    const Lapack& solver, double tolerance, double farthest) {
+inline Steps chords(const Array<double, 2>& values, const EquationData& data, const Factors& factors, double tolerance,
+                    double farthest) {
     auto evaluation = evaluate(values, data);
     Array<bool, 1> none(values.size());
     if (!evaluation.inside) return {false, values, values, none, INFINITE, INFINITE, evaluation, 1};
-    auto step = newton_step(factors, solver, evaluation.residual);
+    auto step = newton_step(factors, evaluation.residual);
     double size = relative_size(values, step).largest;
     if (!(size < farthest)) return {false, values, step, none, size, INFINITE, evaluation, 1};
-    auto ahead = further_steps(values, step, evaluation, data, factors, solver, tolerance);
+    auto ahead = further_steps(values, step, evaluation, data, factors, tolerance);
     ++ahead.evaluations;
     return ahead;
 }

@@ -169,18 +169,16 @@ inline Array<double, 1> cell_creepages(const LatticeProblem& problem, const Stri
 // the pressure, and where these do not either, the pressure alone.
 inline Tractions start_tractions(const LatticeProblem& problem, const Array<double, 2>& matrix, Numbers depth,
                                  const Array<double, 1>& rigid) {
-    const auto& [law, solver] = std::tie(problem.all().law, problem.all().solver);
+    const auto& law = problem.all().law;
     long n = depth.size();
-    if (!problem.all().rolls()) return solve_pressures(matrix, depth, solver);
+    if (!problem.all().rolls()) return solve_pressures(matrix, depth);
     double speed = problem.speed();
-    if (auto found = attempted([&] { return solve_tractions(matrix, depth, rigid, law, speed, solver); }))
-        return *found;
+    if (auto found = attempted([&] { return solve_tractions(matrix, depth, rigid, law, speed); })) return *found;
     auto uncoupled = Array<double, 2>::copy(matrix);
     for (long i = 2 * n; i < 3 * n; ++i)
         for (long c = 0; c < 2 * n; ++c) uncoupled(i, c) = 0.0;
-    if (auto found = attempted([&] { return solve_tractions(uncoupled, depth, rigid, law, speed, solver); }))
-        return *found;
-    return solve_pressures(block_of(matrix, {2 * n, 2 * n}, {n, n}, 1.0), depth, solver);
+    if (auto found = attempted([&] { return solve_tractions(uncoupled, depth, rigid, law, speed); })) return *found;
+    return solve_pressures(block_of(matrix, {2 * n, 2 * n}, {n, n}, 1.0), depth);
 }
 
 // First strips and ends, from equal cells of a basis along every strip that penetrates, and along more strips. Throws

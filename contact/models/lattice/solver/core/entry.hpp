@@ -79,7 +79,7 @@ inline LatticeState entered(LatticeProblem& problem, const LatticeState& state, 
     auto grid = grid_of(at, cells, places);
     auto [inside, matrix] = cell_operator(problem.pairs(at.strips), grid, cells, false);
     if (!inside) throw OutsideSurface(PATCH_TOO_LONG);
-    NormalResponse normal(matrix, problem.all().solver);
+    NormalResponse normal(matrix);
     auto pressed_by = [&](Numbers d) {
         Mask active(d.size());
         for (long i = 0; i < d.size(); ++i) active[i] = d(i) > 0.0;

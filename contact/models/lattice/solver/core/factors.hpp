@@ -8,7 +8,7 @@
 
 #include "contact/models/lattice/influence/core/basis.hpp"
 #include "contact/models/lattice/system/core/equation_data.hpp"
-#include "support/core/lapack.hpp"
+#include "support/core/lu.hpp"
 
 namespace wr {
 
@@ -18,8 +18,8 @@ constexpr double STRESS = 1e9, LENGTH = 1e-3, GAP = 1e-6;  // Pa, m, m: scales o
 
 // Factors of the Jacobian (n, n) of a state with values (S, block), in units of STRESS, LENGTH and GAP.
 struct Factors {
-    Array<float, 2> lu;              // (n, n), of the transpose, column by column
-    Array<int, 1> pivots;            // (n,) of LAPACK, from 1
+    Array<float, 2> lu;              // (n, n)
+    Array<int, 1> pivots;            // (n,)
     Array<double, 1> rows, columns;  // (n,) factors from the equations' and to the unknowns' units
     Array<float, 3> slips;           // (S, 2 M, n), derivatives of the slips by the unknowns, in the units of these
     Array<double, 3> slopes;         // (S, M, SLOPES), those of the friction residual in the Jacobian
@@ -33,7 +33,7 @@ struct Factors {
                      slips.shape == std::array{S, 2 * M, n} && slopes.shape == std::array{S, M, long(SLOPES)} &&
                      present.shape == slopes.shape && spread.shape == std::array{n, rank} &&
                      gather.shape == std::array{rank, n} && (S == 0 ? n == 0 : n % S == 0);
-        for (int k : pivots) right = right && 1 <= k && k <= n;
+        for (int k : pivots) right = right && 0 <= k && k < n;
         return right;
     }
 };
@@ -44,7 +44,7 @@ inline bool fit(const Factors& factors, long strips, long cells, long block) {
 }
 
 // Factors of a Jacobian, and whether it is regular.
-inline std::pair<bool, Factors> factorised(const Linearisation& at, const Lapack& solver) {
+inline std::pair<bool, Factors> factorised(const Linearisation& at) {
     long S = at.slips.size(), n = at.jacobian.size(), block = n / S;
     Factors f{Array<float, 2>(n, n),
               Array<int, 1>(n),
@@ -59,7 +59,7 @@ inline std::pair<bool, Factors> factorised(const Linearisation& at, const Lapack
         f.rows(i) = i % block < block - MOMENTS ? 1 / STRESS : 1 / GAP;
         f.columns(i) = i % block < block - 2 ? STRESS : LENGTH;
     }
-    for (long i = 0; i < n; ++i) {  // LAPACK sees the transpose
+    for (long i = 0; i < n; ++i) {
         auto to = f.lu[i];
         auto from = at.jacobian[i];
         for (long k = 0; k < n; ++k) to(k) = float(f.rows(i) * from(k) * f.columns(k));
@@ -70,21 +70,22 @@ inline std::pair<bool, Factors> factorised(const Linearisation& at, const Lapack
             auto from = at.slips[i][r];
             for (long c = 0; c < n; ++c) to(c) = from(c) * float(f.columns(c));
         }
-    return {solver.factorise(f.lu, f.pivots), f};
+    bool regular = factorise<float>(f.lu, f.pivots);
+    return {regular, f};
 }
 
 // Replace right-hand sides (k, n) by the solutions with factors that are not corrected.
-inline void back_substitute(const Factors& factors, const Lapack& solver, View<float, 2> right) {
-    solver.solve(factors.lu, factors.pivots, right, true);
+inline void back_substitute(const Factors& factors, View<float, 2> right) {
+    solve<float>(factors.lu, factors.pivots, right);
 }
 
 // Step (S, block) that cancels the linearised residual (S, block).
-inline Array<double, 2> newton_step(const Factors& factors, const Lapack& solver, Rows residual) {
+inline Array<double, 2> newton_step(const Factors& factors, Rows residual) {
     long n = factors.rows.size(), rank = factors.gather.size();
     Array<float, 2> scaled(1, n);
     auto solution = scaled[0];
     for (long k = 0; k < n; ++k) solution(k) = float(-factors.rows(k) * residual.data[k]);
-    back_substitute(factors, solver, scaled);
+    back_substitute(factors, scaled);
     if (rank) {
         Array<float, 1> gathered(rank);
         for (long r = 0; r < rank; ++r) gathered(r) = dot(factors.gather[r], solution);
@@ -98,7 +99,7 @@ inline Array<double, 2> newton_step(const Factors& factors, const Lapack& solver
 // Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the Jacobian (n,
 // n) of factors that are not corrected. Iterative refinement: N. Higham, Accuracy and Stability of Numerical
 // Algorithms, 2002, chapter 12.
-inline Array<double, 2> solve_transposed(const Factors& factors, const Lapack& solver, Rows jacobian, Rows right) {
+inline Array<double, 2> solve_transposed(const Factors& factors, Rows jacobian, Rows right) {
     long sides = right.size(), n = right.shape[1];
     Array<double, 2> solution(sides, n), rest = Array<double, 2>::copy(right);
     Array<float, 2> change(sides, n);
@@ -107,7 +108,7 @@ inline Array<double, 2> solve_transposed(const Factors& factors, const Lapack& s
     for (int step = 0; step <= REFINEMENTS; ++step) {
         for (long i = 0; i < sides; ++i)
             for (long c = 0; c < n; ++c) change(i, c) = float(factors.columns(c) * rest(i, c));
-        solver.solve(factors.lu, factors.pivots, change, false);  // LAPACK sees the transpose of the Jacobian
+        solve_transposed<float>(factors.lu, factors.pivots, change);
         double after = 0.0;
         for (long i = 0; i < sides; ++i) {
             double largest = 0.0, size = 0.0;
@@ -132,12 +133,12 @@ inline Array<double, 2> solve_transposed(const Factors& factors, const Lapack& s
             }
         }
     }
-    Array<double, 2> scaled(n, n);  // pivots of unscaled equations lose several digits; LAPACK sees the transpose
+    Array<double, 2> scaled(n, n);  // pivots of unscaled equations lose several digits
     for (long i = 0; i < n; ++i)
         for (long k = 0; k < n; ++k) scaled(i, k) = factors.rows(i) * jacobian(i, k) * factors.columns(k);
     for (long i = 0; i < sides; ++i)
         for (long c = 0; c < n; ++c) solution(i, c) = factors.columns(c) * right(i, c);
-    solver.solve(scaled, solution);
+    solve_with<double>(scaled, solution, true);
     for (long i = 0; i < sides; ++i)
         for (long c = 0; c < n; ++c) solution(i, c) *= factors.rows(c);
     return solution;

@@ -13,8 +13,8 @@ constexpr double RENEWED = 0.5;  // of a step with renewed factors: largest foll
 // State after a step, which is shortened where the following one is not shorter, and further full ones.
 // Affine-invariant line search: Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 3.3.
 inline Steps searched(const Array<double, 2>& values, const Array<double, 2>& step, const EquationData& data,
-                      const Factors& factors, const Evaluation& evaluation, double tolerance, const Lapack& solver) {
-    auto best = further_steps(values, step, evaluation, data, factors, solver, tolerance);
+                      const Factors& factors, const Evaluation& evaluation, double tolerance) {
+    auto best = further_steps(values, step, evaluation, data, factors, tolerance);
     if (best.converged || best.first <= 1.0 - DECREASE) return best;
     if (!(best.first < 1.0)) best.first = INFINITE;
     long evaluations = best.evaluations;
@@ -25,7 +25,7 @@ inline Steps searched(const Array<double, 2>& values, const Array<double, 2>& st
         ++evaluations;
         auto there = evaluate(trial, data);
         if (!there.inside) continue;
-        auto following = newton_step(factors, solver, there.residual);
+        auto following = newton_step(factors, there.residual);
         auto after = relative_size(values, following);
         if (!(after.norm / before > best.first))
             best = {false, trial, following, best.leaves, after.largest, after.norm / before, there, 0};
@@ -41,7 +41,7 @@ inline Steps searched(const Array<double, 2>& values, const Array<double, 2>& st
 // As long as steps with old factors contract, the Jacobian is kept. Where they do not since cells have begun to slip or
 // to stick, the factors are renewed for these; otherwise the Jacobian is computed anew.
 inline Progress iterate(Array<double, 2> values, const EquationData& data, const KeptFactors& kept, bool entered,
-                        const Limits& limits, const Lapack& solver) {
+                        const Limits& limits) {
     Progress at{CONVERGED, values, Array<bool, 1>(values.size()), INFINITE, kept, 0, 0, 0};
     auto& [valid, factors, evaluation] = at.kept;
     auto stopped = [&](Event event) {
@@ -52,8 +52,7 @@ inline Progress iterate(Array<double, 2> values, const EquationData& data, const
         bool exact = true, first = at.iterations++ == 0;
         if (valid) {
             bool fresh = false;
-            std::tie(fresh, factors) =
-                renewed(factors, slopes_of_friction(at.values, evaluation, data), data.rho, solver);
+            std::tie(fresh, factors) = renewed(factors, slopes_of_friction(at.values, evaluation, data), data.rho);
             exact = !fresh;
         }
         if (exact) {
@@ -62,16 +61,16 @@ inline Progress iterate(Array<double, 2> values, const EquationData& data, const
             evaluation = linear.evaluation;
             if (!evaluation.inside) return stopped(OUTSIDE);
             bool regular = false;
-            std::tie(regular, factors) = factorised(linear, solver);
+            std::tie(regular, factors) = factorised(linear);
             if (!regular) return stopped(SINGULAR);
         }
-        auto step = newton_step(factors, solver, evaluation.residual);
+        auto step = newton_step(factors, evaluation.residual);
         at.size = relative_size(at.values, step).largest;
         if (!std::isfinite(at.size)) return stopped(NOT_FINITE);
         if (first && at.size > limits.farthest) return stopped(TOO_LONG);
         at.leaves = leaving(at.values, step, at.size, data.places.whole);
         if (any(at.leaves)) return stopped(LEAVES);
-        auto ahead = searched(at.values, step, data, factors, evaluation, limits.tolerance, solver);
+        auto ahead = searched(at.values, step, data, factors, evaluation, limits.tolerance);
         at.evaluations += ahead.evaluations;
         if (!std::isfinite(ahead.first) && !ahead.converged) return stopped(OUTSIDE);
         valid = exact || ahead.size < RENEWED * at.size;

@@ -76,8 +76,8 @@ class LatticeNewton {
         long some = std::min(iterations, std::max(1L, long(UNINTERRUPTED / cost)));
         Limits limits{problem.all().tolerance, farthest, some};
         auto barred = strips_barred();
-        return advance(state.values, problem.of(state.strips), kept, earlier, searched, limits, problem.all().solver,
-                       probes, problem.lines, indices_of(barred));
+        return advance(state.values, problem.of(state.strips), kept, earlier, searched, limits, probes, problem.lines,
+                       indices_of(barred));
     }
 
     // Count iterations. Throws Unsolved where they failed.

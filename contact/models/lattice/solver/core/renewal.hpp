@@ -62,26 +62,25 @@ struct RowChanges {
 // Factors with the present slopes (S, M, SLOPES) of the friction residual, from those of an earlier state of the same
 // strips; rho (M,) 1/Pa. The flag is false where those of no cell have changed since the latest ones, or those of too
 // many since the Jacobian.
-inline std::pair<bool, Factors> renewed(const Factors& factors, const Array<double, 3>& slopes, Numbers rho,
-                                        const Lapack& solver) {
+inline std::pair<bool, Factors> renewed(const Factors& factors, const Array<double, 3>& slopes, Numbers rho) {
     if (changed_cells(factors.present, slopes, rho).empty()) return {false, factors};
     auto cells = changed_cells(factors.slopes, slopes, rho);
     long n = factors.rows.size(), rank = 2 * long(cells.size());
     if (double(rank) > LARGEST_RANK * double(n)) return {false, factors};
     RowChanges rows(factors, slopes, cells);
-    back_substitute(factors, solver, rows.picked);
+    back_substitute(factors, rows.picked);
     Factors after = factors;
     after.present = slopes, after.spread = Array<float, 2>(n, rank), after.gather = Array<float, 2>(rank, n);
     if (rank == 0) return {true, after};
-    Array<float, 2> small(rank, rank), sides(n, rank);  // column by column
+    Array<float, 2> small(rank, rank), sides(n, rank);
     for (long r = 0; r < rank; ++r) {
         for (long k = 0; k < n; ++k) after.spread(k, r) = rows.picked(r, k), sides(k, r) = rows.change(r, k);
-        for (long c = 0; c < rank; ++c) small(c, r) = dot(rows.change[r], rows.picked[c]);
+        for (long c = 0; c < rank; ++c) small(r, c) = dot(rows.change[r], rows.picked[c]);
         small(r, r) += 1.0f;
     }
     Array<int, 1> pivots(rank);
-    if (!solver.factorise(small, pivots)) return {false, factors};
-    solver.solve(small, pivots, sides, false);
+    if (!factorise<float>(small, pivots)) return {false, factors};
+    solve<float>(small, pivots, sides);
     for (long r = 0; r < rank; ++r)
         for (long k = 0; k < n; ++k) after.gather(r, k) = sides(k, r);
     return {true, after};

@@ -7,7 +7,6 @@
 #include "contact/models/lattice/influence/core/lattice_tables.hpp"
 #include "contact/models/lattice/system/core/contact_lines.hpp"
 #include "contact/models/lattice/system/core/equation_data.hpp"
-#include "support/core/lapack.hpp"
 
 namespace wr {
 
@@ -21,7 +20,6 @@ struct LatticeSetting {
     Owned<StripBasis> basis, first, second;
     std::vector<Owned<StripBasis>> starts;
     Owned<ResidualCode> law;
-    Lapack solver;
     double margin = 0.0;          // m, largest gap that displacements may close
     long apart = 1;               // strips between those at which the penetration is estimated first
     double tolerance = 0.0;       // of the last step, relative to the largest pressure and length
@@ -36,8 +34,8 @@ struct LatticeSetting {
     long block() const { return basis.block(rolls()); }
     long strips() const { return tables->lattice.middle.size(); }
     bool fits() const {
-        bool right = surface.fits() && tables && law.fits() && solver.fits() && apart > 0 && !starts.empty() &&
-                     first.M() > 2 && second.M() > 2 && outline.shape[0] == 2 && strips() > 2;
+        bool right = surface.fits() && tables && law.fits() && apart > 0 && !starts.empty() && first.M() > 2 &&
+                     second.M() > 2 && outline.shape[0] == 2 && strips() > 2;
         if (surface.revolves) right = right && lines.fits() && lines.of(surface.rail) && outline.shape[1] > 0;
         return right;
     }

@@ -1,0 +1,99 @@
+"""The contact of a wheelset as one file, and the library that solves it without Python."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wheelrail import bindings
+from wheelrail.api.elements.checks import FRICTION
+from wheelrail.api.elements.wheelset_arrays import LIMITS
+from wheelrail.bindings._contact import AllowedRange, LatticeFile, StandardData, law_file, sealed_wheelset
+from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.laws.friction import Coulomb
+from wheelrail.contact.laws.pointwise import friction_library
+from wheelrail.contact.models.lattice.file import lattice_data
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.models.standard.model import StandardContact
+from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
+from wheelrail.export.host import loaded_inputs
+
+if TYPE_CHECKING:
+    from wheelrail.api.wheelset import Wheelset
+    from wheelrail.scenes.schema.quantities import Range
+
+FILE = "contact.wheelset"  # as the library looks for
+LIBRARY = "libwheelrail.so"
+
+
+def needs_python(wheelset: Wheelset) -> str:
+    """What of the contact of a wheelset is solved in Python; empty if nothing is."""
+    contact = wheelset.element().contact
+    if not isinstance(contact, WheelsetContact):
+        return "an elastic axle and elastic pads"
+    return next(filter(None, (_in_python(contact.of(side).model) for side in SIDES)), "")
+
+
+def _in_python(model: ContactModel) -> str:
+    if isinstance(model, LatticeContact) and isinstance(model.operators.surfaces, ProfileStrips):
+        return ""
+    if isinstance(model, StandardContact):
+        return "" if model.data is not None else "Hertz's pressure, or friction that depends on the slip"
+    return "solids and tables"
+
+
+def write_native(wheelset: Wheelset, folder: Path, token: str = "") -> None:
+    """Write what the library without Python opens, the file of the contact and its law of friction.
+
+    Parameters:
+        wheelset: whose contact it is.
+        folder: to write to.
+        token: of a functional mock-up unit.
+
+    Raises ValueError for a load that cannot be carried, OSError.
+    """
+    contact = wheelset.element().contact
+    assert isinstance(contact, WheelsetContact)
+    of_sides = [contact.of(side) for side in SIDES]
+    models = [_data(own.model, folder) for own in of_sides[: 1 if contact.right is None else 2]]
+    friction = [_coefficient(own.model) for own in of_sides]
+    content = sealed_wheelset(
+        token,
+        loaded_inputs(wheelset),
+        [_allowed(limits) for limits in LIMITS],
+        (friction[0], friction[1]),
+        _allowed(FRICTION),
+        (of_sides[0].mounting.dimensions, of_sides[1].mounting.dimensions),
+        models,
+    )
+    (folder / FILE).write_bytes(content)
+
+
+def _data(model: ContactModel, folder: Path) -> StandardData | LatticeFile:
+    """What the library needs of a model; its law of friction is written."""
+    if isinstance(model, StandardContact):
+        assert model.data is not None
+        return model.data
+    assert isinstance(model, LatticeContact)
+    library = friction_library(model.laws.friction)
+    name, seal = law_file(library)
+    (folder / name).write_bytes(library)
+    return LatticeFile(lattice_data(model), seal)
+
+
+def _coefficient(model: ContactModel) -> float:
+    """Coefficient of friction of a model, NaN of a law that is no number."""
+    assert isinstance(model, StandardContact | LatticeContact)
+    law = model.laws.friction
+    return law.mu if isinstance(law, Coulomb) else float("nan")
+
+
+def copy_library(target: Path) -> None:
+    """Copy the library without Python, of this processor. Raises OSError."""
+    shutil.copyfile(bindings.FOLDER / LIBRARY, target)
+
+
+def _allowed(limits: Range) -> AllowedRange:
+    return AllowedRange(limits.low, limits.high, str(limits))
