@@ -38,8 +38,8 @@ void copy(const T& from, double* to) {
     std::copy(from.begin(), from.end(), to);
 }
 
-static_assert(int(WHEELRAIL_INPUTS) == INPUTS && int(WHEELRAIL_OUTPUTS) == OUTPUTS &&
-              int(WHEELRAIL_FORCES) == FORCES && int(WHEELRAIL_PATCH_VALUES) == PATCH_VALUES);
+static_assert(int(WHEELRAIL_INPUTS) == INPUTS && int(WHEELRAIL_OUTPUTS) == OUTPUTS && int(WHEELRAIL_FORCES) == FORCES &&
+              int(WHEELRAIL_PATCH_VALUES) == PATCH_VALUES);
 
 }  // namespace
 
@@ -115,6 +115,7 @@ extern "C" int wheelrail_unit(const char* folder, char token[64], double start[]
     return all().describe(folder, [&](const WheelsetHead& head) {
         token[head.token.copy(token, 63)] = '\0';
         copy(head.start, start);
-        for (int side = 0; side < 2; ++side) friction[side] = std::isnan(head.friction[side]) ? 0.0 : head.friction[side];
+        for (int side = 0; side < 2; ++side)
+            friction[side] = std::isnan(head.friction[side]) ? 0.0 : head.friction[side];
     });
 }

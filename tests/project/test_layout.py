@@ -275,7 +275,9 @@ def test_a_solve_from_the_cache_loads_no_heavy_library(name: str) -> None:
     assert not roots(ROOT / name, nested=False) & HEAVY
 
 
-CORE = sorted(file for top in (*SCIENCE, "wheelrail/support", "wheelrail/export") for file in (ROOT / top).glob("**/core/*.hpp"))
+CORE = sorted(
+    file for top in (*SCIENCE, "wheelrail/support", "wheelrail/export") for file in (ROOT / top).glob("**/core/*.hpp")
+)
 
 
 @pytest.mark.parametrize("path", CORE, ids=lambda path: str(path.relative_to(ROOT)))

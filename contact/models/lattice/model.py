@@ -250,7 +250,7 @@ def margin(level: int) -> float:
     """Largest gap m that displacements may close on a level: the approach falls with the square of the width or, of
     long patches, less.
     """
-    return GAP / 2**level
+    return float(GAP / 2**level)
 
 
 def _start(guess: ContactResult | None) -> LatticeStart | None:

@@ -41,7 +41,9 @@ class StripOperators:
     def bodies(self) -> tuple[FiniteBody | None, FiniteBody | None]:
         """The same for the core."""
         upper, lower = self.corrections
-        return upper and upper.finite_body(False), lower and lower.finite_body(self.moves)
+        return None if upper is None else upper.finite_body(False), None if lower is None else lower.finite_body(
+            self.moves
+        )
 
     @property
     def moves(self) -> bool:
