@@ -142,6 +142,7 @@ class LatticeFamily : public std::enable_shared_from_this<LatticeFamily> {
         const auto& bases = data.bases[law.code ? 0 : 1];
         auto kept = [&](const auto& part) { return Owned<std::decay_t<decltype(part)>>(part, {memory}); };
         std::vector<Owned<StripBasis>> starts;
+        starts.reserve(bases.starts.size());
         for (const auto& basis : bases.starts) starts.push_back(kept(basis));
         return known = std::make_shared<LatticeSetting>(LatticeSetting{
                    kept(data.surface), kept(data.lines), Array<double, 2>::copy(data.outline), tables(level),
