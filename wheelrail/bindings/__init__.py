@@ -21,7 +21,7 @@ def build() -> Path:
 
 def require_built(folder: Path) -> None:
     """Raises ImportError where the modules are missing or older than their sources, which installed packages lack."""
-    if not (modules := [file.stat().st_mtime for file in folder.glob("_*.so")]):
+    if not (modules := [file.stat().st_mtime for file in folder.glob("*.so")]):
         raise ImportError(f"the compiled core is missing in {folder}: make core")
     for pattern in ("../bindings/*.[ch]pp", "*/core/*.hpp", "*/*/core/*.hpp", "*/*/*/core/*.hpp", "*/*/*/*/core/*.hpp"):
         for file in HERE.parent.glob(pattern):
