@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import logging
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,10 +23,13 @@ from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.export.host import loaded_inputs
+from wheelrail.support.cache import one_process
 
 if TYPE_CHECKING:
     from wheelrail.api.wheelset import Wheelset
     from wheelrail.scenes.schema.quantities import Range
+
+log = logging.getLogger(__name__)
 
 FILE = "contact.wheelset"  # as the library looks for
 LIBRARY = "libwheelrail.so"
@@ -91,8 +98,20 @@ def _coefficient(model: ContactModel) -> float:
 
 
 def copy_library(target: Path) -> None:
-    """Copy the library without Python, of this processor. Raises OSError."""
-    shutil.copyfile(bindings.FOLDER / LIBRARY, target)
+    """Copy the library of this processor; beside its sources it is brought up to date. Raises OSError."""
+    library = bindings.FOLDER / LIBRARY
+    build = bindings.HERE.parents[1] / "bindings"
+    if bindings.FOLDER.parent == bindings.HERE and (build / "build.ninja").exists():
+        if not library.exists():
+            log.info("compiling %s for this processor, once: a minute", LIBRARY)
+        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
+        ninja = shutil.which("ninja", path=path) or "ninja"
+        command = [ninja, "-C", str(build), f"library-{bindings.FOLDER.name}"]
+        with one_process("library"):
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode:
+            raise OSError(f"{' '.join(command)} failed: {(done.stderr or done.stdout)[-2000:]}")
+    shutil.copyfile(library, target)
 
 
 def _allowed(limits: Range) -> AllowedRange:

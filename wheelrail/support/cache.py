@@ -136,7 +136,7 @@ def cached(name: str, build: Callable[[], Arrays], names: Sequence[str]) -> Arra
 
     arrays = stored()
     if arrays is None:
-        with _one_process(name):
+        with one_process(name):
             arrays = stored()
             if arrays is None:
                 arrays = dict(build())
@@ -145,7 +145,7 @@ def cached(name: str, build: Callable[[], Arrays], names: Sequence[str]) -> Arra
 
 
 @contextmanager
-def _one_process(name: str) -> Iterator[None]:
+def one_process(name: str) -> Iterator[None]:
     """One process at a time in the block; all of them where files cannot be locked."""
     path = cache_folder() / f"{name}.lock"
     with ExitStack() as stack:
