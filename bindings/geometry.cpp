@@ -262,6 +262,10 @@ void bind_searches(nb::module_& m) {
         },
         "depth"_a, "place"_a, "reason"_a,
         "Text on an overlap that is not solved: its depth m, place (2,) m on the wheel's profile, and the reason.");
+    m.def("overloaded", &overloaded, "approach"_a, "pressure"_a, "modulus"_a,
+          "Text on bodies with a contact modulus Pa that are pressed together by an approach m and a largest pressure "
+          "Pa; "
+          "empty where these are no reason not to solve.");
     m.attr("VIRTUAL") = VIRTUAL;
     m.def(
         "half_strips", [] { return std::tuple{copied(POSITIONS), copied(WIDTHS)}; },

@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from time import process_time
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
 from benchmarks.population.checks import LOAD, TOUCH, broken
 from benchmarks.population.draw import Situation, with_profiles
+from benchmarks.population.explanations import explanation
 from benchmarks.population.oracle import RigidSide
-from benchmarks.population.results import SideResult, side_result
+from benchmarks.population.results import SideResult, side_result, solved
 from wheelrail.contact.kinematics.frames import SIDES, Side
-
-if TYPE_CHECKING:
-    from wheelrail.api.solution import Solution
 
 Kind = Literal["right", "explained failure", "unexplained failure", "wrong"]
 KINDS: tuple[Kind, ...] = ("right", "explained failure", "unexplained failure", "wrong")
 
-DEEPEST = 0.05  # m below the nominal height, to which loads are searched for
-OVERLAP = 5e-4  # m: heights with more are no contact of elastic bodies
 MIRROR = 1e-9  # of the load, of mirror images at a given height or under the load of each wheel
 UNLIKE = 1e-2  # of the load, where wheels differ on an axle: both hubs are those of the left-hand one
 WARM = 2e-5  # of the load, from another start: a last step of 1e-5 of the tractions
@@ -35,11 +29,6 @@ STEP = {"y": 3e-5, "z": 1e-5}  # m, to the start of the warm solve
 # mu N of the complete theory at every creepage.
 BAND_APPROACH, BAND_FORCE = 0.5, 0.4
 BAND_NORMAL = 0.25  # of the range of the normals in the patch, in which both resultants lie; 0.08 on gauge corners
-NAMED = re.compile(r"overlaps the rail \S+ mm deep at y = (\S+), z = (\S+) mm of its profile")
-NEAR = 5e-3  # m on the profile of a wheel
-ORDINARY = (-50e-3, 45e-3)  # m, where a wheel touches a rail between flange tip and rim
-STEEPEST = 0.05  # rad, to which a roll is looked for
-TIP = 20e-3  # m, height on a flange above which it touches the rail as it climbs
 NO_RIM = re.compile(r"wheel disc_\w+ is \S+ m wide, the rim \S+ m$")
 REFUSED = re.compile(r"(wheel_load|axle_load) = \S+: must be a number from (\S+) to (\S+)")
 
@@ -71,15 +60,6 @@ def model_of(situation: Situation) -> str:
     if own.get("model") == "standard":
         return "standard"
     return f"{own.get('model', 'condensed')} {own['bodies']} {own.get('points', 'lattice')}"
-
-
-def solved(situation: Situation) -> Solution:
-    """Solution of a situation by the public classes. Raises what they raise."""
-    import wheelrail as wr
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return wr.Wheelset(**with_profiles(situation.wheelset)).solve(**situation.solve)
 
 
 def judged(situation: Situation) -> Verdict:
@@ -230,6 +210,11 @@ def against_standard(situation: Situation, results: Mapping[Side, SideResult]) -
         yield f"the standard contact raises {type(error).__name__}: {error}"
         return
     deepest = max(result.approach for result in results.values())
+    up = {
+        side: abs(float(np.average(result.axes[:, 2, 2], weights=result.pressure)))
+        for side, result in results.items()
+        if result.status == "converged"
+    }
     for side, result in results.items():
         standard, mu = side_result(data, side), situation.on(side)["friction"]
         if "failed" in result.status + standard.status:
@@ -239,7 +224,7 @@ def against_standard(situation: Situation, results: Mapping[Side, SideResult]) -
             if standard.status != result.status and not near:
                 yield f"{side}: {result.status}, the standard contact {standard.status}"
             continue
-        along = abs(np.average(result.axes[:, 2, 2], weights=result.pressure)) if result.status == "converged" else 1.0
+        along = up.get(side, min(up.values(), default=1.0))  # a wheel in the air is as high as the other one
         band = BAND_APPROACH * max(deepest, standard.approach) / along + TOUCH  # of heights: approaches are normal
         if abs(result.z - standard.z) > band and situation.solve.get("roll") != "solve":
             above = 1e6 * (result.z - standard.z)
@@ -269,55 +254,3 @@ def on_corner(rigid: RigidSide, result: SideResult) -> bool:
     """
     y = rigid.wheel_points[rigid.corners, 0]
     return any(((y >= low) & (y <= high)).any() for low, high in result.bands)
-
-
-def explanation(situation: Situation, side: Side, result: SideResult) -> str:
-    """Reason of a failure that the oracle confirms; empty otherwise."""
-    rigid, at = situation.rigid[side], situation.given_position(side)
-    if "z" in situation.solve:
-        deepest = float(rigid.section(at).depth.max())
-        if deepest > OVERLAP:
-            return "pressed into the rail by more than half a millimetre"
-        return ""
-    named = NAMED.search(result.status)
-    rolls = resting_rolls(situation) if situation.solve.get("roll") == "solve" else [situation.solve.get("roll", 0.0)]
-    if named:
-        y, z = 1e-3 * float(named[1]), 1e-3 * float(named[2])
-        ends = rigid.wheel_points[[0, -1], 0]
-        at_end = bool(np.abs(ends - y).min() < 1e-3) or not ORDINARY[0] < y < ORDINARY[1]
-        if (at_end or z > TIP) and any(_overlaps(situation, side, y, roll) for roll in rolls):
-            return f"names an overlap of the {'flange' if y < 0.0 else 'rim'}"
-    if not rolls:
-        return "no roll at which both wheels rest on their rails"
-    resting = rigid.first_contact(replace(at, z=0.0))
-    if not resting > -DEEPEST:
-        return "beside the rail"
-    return ""
-
-
-def _overlaps(situation: Situation, side: Side, y: float, roll: float) -> bool:
-    """Whether a wheel overlaps its rail near a place y m of its profile when it is lowered OVERLAP from its rail."""
-    rigid, at = situation.rigid[side], situation.position(side, 0.0, roll)
-    low = rigid.section(replace(at, z=rigid.first_contact(at) - OVERLAP))
-    return bool(low.depth[np.abs(low.y - y) < NEAR].max(initial=-np.inf) > 0.0)
-
-
-def resting_rolls(situation: Situation) -> list[float]:
-    """Rolls of at most STEEPEST at which both undeformed wheels touch their rails at one height."""
-
-    def excess(roll: float) -> float:
-        left, right = (situation.rigid[side].first_contact(situation.position(side, 0.0, roll)) for side in SIDES)
-        return left - right if np.isfinite(left) and np.isfinite(right) else np.nan
-
-    rolls = np.linspace(-STEEPEST, STEEPEST, 41)
-    found, before = [], excess(float(rolls[0]))
-    for low, high in pairwise(rolls):
-        after = excess(float(high))
-        if before * after <= 0.0:
-            ends = [float(low), float(high)]
-            for _ in range(10):
-                middle = 0.5 * sum(ends)
-                ends[int(excess(middle) * before <= 0.0)] = middle
-            found.append(0.5 * sum(ends))
-        before = after
-    return found

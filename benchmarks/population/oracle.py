@@ -53,6 +53,11 @@ class Section:
     depth: Array
     height: Array
 
+    @cached_property
+    def arc(self) -> Array:
+        """Lengths (n,) m along the outline."""
+        return arc(self.place[:, 1:])
+
 
 @dataclass(frozen=True)
 class RigidSide:

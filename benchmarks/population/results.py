@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.population.draw import Situation, with_profiles
 from wheelrail.contact.kinematics.frames import MIRROR, Side
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from xarray import Dataset
+
+    from wheelrail.api.solution import Solution
 
 FLAT = np.array([1.0, -1.0])  # mirror image of tangential components
 
@@ -58,6 +62,15 @@ class SideResult:
     def load(self) -> float:
         """Magnitude N of the force."""
         return float(np.linalg.norm(self.force))
+
+
+def solved(situation: Situation) -> Solution:
+    """Solution of a situation by the public classes. Raises what they raise."""
+    import wheelrail as wr
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return wr.Wheelset(**with_profiles(situation.wheelset)).solve(**situation.solve)
 
 
 def side_result(data: Dataset, side: Side) -> SideResult:

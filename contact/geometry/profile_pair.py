@@ -105,9 +105,7 @@ class ProfilePair:
         mask = (depth > 0).reshape(nx, ns)
         last_row = nx - 1 - steps * stride  # beyond, upstream points for the slip are missing
         if mask[0].any() or mask[last_row:].any():
-            reach = 1e3 * self.radius * self.angle[last_row]
-            reason = f"it passes {reach:.3g} mm along the rail, where grids of solids end before those of waveguides"
-            raise OutsideSurface(_beyond(depth, reason))
+            raise OutsideSurface(_beyond(depth, _ALONG.format(1e3 * self.radius * self.angle[last_row])))
         if mask[:, 0].any() or mask[:, -1].any():
             end = "flange's tip" if mask[:, 0].any() else "end of the tread"
             raise OutsideSurface(_beyond(depth, f"it passes the last line towards the {end}"))
@@ -134,6 +132,12 @@ class ProfilePair:
             inverse = inverse.reshape(steps + 1, -1)[:, positive].ravel()
         if not len(node):
             return None, self._separated(pose)
+        reach = self.rail_strip.size / self.degree * (self.rail_grid.shape[0] // 2)
+        if np.abs(point[nodes, 0]).max() > reach:
+            raise OutsideSurface(_beyond(penetration, _ALONG.format(1e3 * reach)))
+        if (beyond := self._beyond_rail(rail_s, penetration)) >= 0:
+            place = self.wheel.point(self.arc[node[beyond] % ns])
+            raise OutsideSurface(overlap_text(penetration[beyond], place, UNSOLVED))
         interpolation = self._rail_interpolation(point[nodes, 0], projection.s)
         inverse = inverse.ravel()
         line = node % ns
@@ -168,6 +172,14 @@ class ProfilePair:
             raise OutsideSurface(overlap_text(depth, self.wheel.point(place), UNSOLVED))
         return min(depth, 0.0)
 
+    def _beyond_rail(self, s: Array, penetration: Array) -> int:
+        """Number of the deepest of the points at s (n,) m beyond the rail's lines, with penetration (n,) m; -1 without
+        any.
+        """
+        first, spacing = self.rail_strip.start, self.rail_strip.size / self.degree
+        beyond = (s < first) | (s > first + (self.rail_grid.shape[1] - 1) * spacing)
+        return int(np.where(beyond, penetration, -np.inf).argmax()) if beyond.any() else -1
+
     def _rail_interpolation(self, x: Array, s: Array) -> Interpolation:
         """Interpolation on the rail's grid at x, s (m,) m by tensor products of linear or quadratic shape functions."""
         (rows, lines), degree, spacing = self.rail_grid.shape, self.degree, self.rail_strip.size / self.degree
@@ -176,6 +188,9 @@ class ProfilePair:
         offset = np.arange(degree + 1)
         nodes = (i[:, None, None] + offset[:, None]) * lines + j[:, None, None] + offset
         return Interpolation(nodes.reshape(len(x), -1), (wx[:, :, None] * ws[:, None, :]).reshape(len(x), -1))
+
+
+_ALONG = "it passes {:.3g} mm along the rail, where grids of solids end before those of waveguides"
 
 
 def _beyond(depth: Array, reason: str) -> str:

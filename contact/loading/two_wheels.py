@@ -192,7 +192,7 @@ def _bracketed(
         else:
             high, weights = last, [0.5 * weights[0] if side == -1 else 1.0, 1.0]
             side = -1
-    if abs(best.excess) > JUMP:
+    if abs(best.excess) > max(JUMP, rtol):
         raise LoadError(f"forces of the wheels jump over {loads[0]:g} N at one roll, nearest {_forces(best)}")
     return best.depths, best.found.results, trials
 

@@ -22,6 +22,7 @@ DEEPEST = 0.05  # m below the nominal height, limit of the search
 FRICTIONLESS = 1e-3  # tolerance of the load without friction, for a first depth
 DEEP = 3.0  # times the expected approach: too large a penetration to start from
 TOO_FAR = 50.0  # times the expected approach, with which no wheel carries its load: steep flanges take 35 times at most
+HELD = 2e-4  # m, as under usual loads: friction may hold a wheel down on a steep flange to this under any load
 STEPS, FLATTEST = 12, 0.1  # to a start without a solve; smallest change of the penetration by the height that they use
 
 
@@ -128,7 +129,7 @@ def wheels_under_load(
     def wheel(lowered: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
         own = contact.of(side)
         penetration = _penetration(own, lowered, side) if isinstance(own.model, HasProblem) else None
-        if penetration is not None and penetration > TOO_FAR * expected:
+        if penetration is not None and penetration > max(TOO_FAR * expected, HELD):
             return ContactResult.failed(f"{1e3 * penetration:.3g} mm deep, far beyond its load", penetration)
         return contact(lowered, side, guess)
 

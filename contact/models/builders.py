@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, Protocol
 
+from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.geometry.grid_points import SurfacePair
 from wheelrail.contact.laws.material import Material
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
 
 class BodyPair(Protocol):
     """Wheel (upper body) and rail (lower body), discretised for each kind of model."""
+
+    @property
+    def materials(self) -> tuple[Material, Material]:
+        """Of both bodies."""
 
     def half_space_strips(self, how: Discretisation) -> StripOperators:
         """Compliance of strips on half-spaces."""
@@ -50,17 +55,21 @@ def _waveguide_lattice(pair: BodyPair, laws: ContactLaws, how: Discretisation) -
 
 
 def _waveguide_grid(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> CondensedContact:
-    return CondensedContact(*pair.waveguide_grids(how), laws, order=how.slip_order)
+    return CondensedContact(*pair.waveguide_grids(how), laws, order=how.slip_order, modulus=_modulus(pair))
 
 
 def _solid_condensed(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> CondensedContact:
-    return CondensedContact(*pair.solid_grids(how), laws, order=how.slip_order)
+    return CondensedContact(*pair.solid_grids(how), laws, order=how.slip_order, modulus=_modulus(pair))
 
 
 def _solid_full(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> FullContact:
     from wheelrail.contact.models.full.model import FullContact
 
-    return FullContact(*pair.solid_bodies(how), laws, order=how.slip_order)
+    return FullContact(*pair.solid_bodies(how), laws, order=how.slip_order, modulus=_modulus(pair))
+
+
+def _modulus(pair: BodyPair) -> float:
+    return modulus(*((material.E, material.nu) for material in pair.materials))
 
 
 # By model, bodies and points.

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.bindings._contact import BodyDisplacements
+from wheelrail.bindings._contact import BodyDisplacements, overloaded
 from wheelrail.contact.elasticity.compliance import Compliance, condense
 from wheelrail.contact.geometry.contact_operators import pair_operators
 from wheelrail.contact.geometry.grid_points import GridPoints, SurfacePair
@@ -54,6 +54,7 @@ class CondensedContact:
         options: of the Newton method.
         tangential: steady "rolling", or "shift", one step of tangential loading from none (Cattaneo, Mindlin): the
             motion is then the rigid displacement of that step, m, slip is a distance, m, and friction Coulomb's law.
+        modulus: contact modulus of both bodies, Pa, which bounds the pressure.
 
     Cost of a solve with n candidates, a of them active: n^2 to assemble the compliance, 5 a^3 per Newton step with
     friction, a^3 / 3 without; the same again where pressure and friction are coupled and the active points change.
@@ -67,6 +68,7 @@ class CondensedContact:
     order: int = 2
     options: NewtonOptions = field(default_factory=NewtonOptions)
     tangential: Literal["rolling", "shift"] = "rolling"
+    modulus: float = np.inf
 
     def __post_init__(self) -> None:
         if self.tangential == "shift" and self.laws.depend_on_slip:
@@ -94,6 +96,9 @@ class CondensedContact:
             tractions = self._tractions(operator, points, rigid, speed, guess, count)
         except (NotConverged, np.linalg.LinAlgError) as error:
             return ContactResult.failed(str(error), approach)
+        failure = overloaded(approach, float(tractions.pressure.max(initial=0.0)), self.modulus)
+        if failure:
+            return ContactResult.failed(failure, approach)
         solved = perf_counter()
         solution = TangentProblem(points, pose.origin, motion, operator, rigid, speed, self.laws, tractions)
         statistics = Statistics(

@@ -99,6 +99,7 @@ inline Scan scan(const Shape& rail, const Lines& lines, double radius, const Pos
         long before = sample;
         double r = z.z + radius, at = 0.0, change = 0.0, a = 0.0, d = 0.0, curvature = 0.0;
         Point<double> offset, normal;
+        bool ended = false;
         if (sample >= 0) sample = std::min(std::max(sample + advance, 0L), last);
         for (int turn = 0; turn < TURNS; ++turn) {
             Point<double> q{origin.y + m.x.y * r * sine + m.y.y * z.y - m.z.y * r * cosine,
@@ -117,7 +118,8 @@ inline Scan scan(const Shape& rail, const Lines& lines, double radius, const Pos
             double before_last = at, changed = change;
             at = sine, sine = -forward / size, cosine = upward / size;
             change = sine - at;
-            if (std::abs(change) * radius < (d > FAR ? FAR : SCANNED)) break;
+            ended = std::abs(change) * radius < (d > FAR ? FAR : SCANNED);
+            if (ended) break;
             next_turn(turn, at, before_last, change, changed, sine, cosine);
         }
         advance = before >= 0 ? sample - before : 0;
@@ -131,6 +133,7 @@ inline Scan scan(const Shape& rail, const Lines& lines, double radius, const Pos
         result.depth(i) = -(d + 0.5 * curvature * a * a * (1.0 + curvature * d));
         result.slope(i) = -(ty * normal.y + tz * normal.z);
         result.x(i) = radius * std::asin(sine), result.sample(i) = sample;
+        if (!ended) sample = -1, sine = 0.0, cosine = 1.0;  // the next search begins where none has failed
     }
     return result;
 }

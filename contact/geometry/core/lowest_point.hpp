@@ -17,7 +17,8 @@ constexpr double FARTHEST = 10.0;      // times the longest step: not the neighb
 
 // Lowest point of a line of the wheel: penetration m, beside the rail minus the distance from its end; slope by s,
 // place m along the rolling circle, the rail's nearest sample, its arc length m and piece there, whether these are held
-// at a corner or an end, and the arc length m on the other side of a corner if that is as near, otherwise NaN.
+// at a corner or an end, the arc length m on the other side of a corner if that is as near, otherwise NaN, and whether
+// the search has ended.
 struct Lowest {
     double depth, slope, x;
     long sample;
@@ -25,6 +26,7 @@ struct Lowest {
     long piece;
     bool held = false;
     double across = std::numeric_limits<double>::quiet_NaN();
+    bool ended = true;
 };
 
 // First and last of some pieces of a rail.
@@ -90,6 +92,7 @@ inline Lowest lowest_at_foot(const Shape& rail, double radius, const Pose<double
     Lowest found{0.0, 0.0, x, sample, at, j},
         beside{-std::numeric_limits<double>::infinity(), 0.0, x, sample, at, j, true};
     double sine = std::sin(x / radius), cosine = std::cos(x / radius), at_sine = 0.0, change = 0.0;
+    found.ended = false;
     for (int turn = 0; turn < TURNS; ++turn) {
         Point<double> q{origin.y + m.x.y * r * sine + m.y.y * z.y - m.z.y * r * cosine,
                         origin.z + m.x.z * r * sine + m.y.z * z.y - m.z.z * r * cosine};
@@ -113,7 +116,8 @@ inline Lowest lowest_at_foot(const Shape& rail, double radius, const Pose<double
         if (upward == 0.0) break;
         double before = bottom;
         bottom = -radius * std::atan(forward / upward);
-        if (std::abs(bottom - before) < LAST) break;
+        found.ended = std::abs(bottom - before) < LAST;
+        if (found.ended) break;
         double size = std::copysign(std::sqrt(forward * forward + upward * upward), upward);
         double last = at_sine, changed = change;
         at_sine = sine, sine = -forward / size, cosine = upward / size;

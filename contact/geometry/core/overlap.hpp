@@ -1,9 +1,10 @@
-// Texts on overlaps of a wheel and a rail that are not solved.
+// Texts on overlaps that are not solved.
 #pragma once
 #include <cstdio>
 #include <string>
 
 #include "support/core/plane.hpp"
+#include "support/core/text.hpp"
 
 namespace wr {
 
@@ -17,6 +18,18 @@ inline std::string overlap_text(double depth, const Point<double>& place, const 
                   "the wheel overlaps the rail %.3g mm deep at y = %.1f, z = %.1f mm of its profile, ", 1e3 * depth,
                   1e3 * place.y, 1e3 * place.z);
     return text + reason;
+}
+
+// of the contact modulus: a patch on a sphere is then 0.3 times as wide as that, too wide for half-spaces
+constexpr double LARGEST_PRESSURE = 0.19;
+
+// Text on bodies with a contact modulus Pa that are pressed together by an approach m and a largest pressure Pa; empty
+// where these are no reason not to solve.
+inline std::string overloaded(double approach, double pressure, double modulus) {
+    double highest = LARGEST_PRESSURE * modulus;
+    if (!(pressure > highest)) return "";
+    return text("the bodies overlap by %.3g mm, too deep for half-spaces: %.3g GPa are above %g E* = %.3g GPa",
+                1e3 * approach, 1e-9 * pressure, LARGEST_PRESSURE, 1e-9 * highest);
 }
 
 }  // namespace wr

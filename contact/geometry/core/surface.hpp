@@ -7,9 +7,8 @@
 namespace wr {
 
 constexpr double GAUSS = 0.2886751345948129;  // 0.5 / sqrt(3) of a strip's width, from its middle
-constexpr double OPPOSED =
-    -0.5;                // cosine between normals of surfaces that may touch, a tenth of a radian apart at most
-constexpr int POSE = 6;  // motions of a rigid body
+constexpr double OPPOSED = -0.5;  // cosine between normals of surfaces that may touch, 0.1 rad apart at most
+constexpr int POSE = 6;           // motions of a rigid body
 
 // Surfaces of a pair.
 struct SurfaceData {
@@ -181,6 +180,7 @@ inline std::tuple<Penetration, Array<double, 1>, Array<double, 1>> crests(const 
                                                                           const Pose<double>& pose, const Numbers& s) {
     long n = s.size(), sample = -1;
     Array<double, 1> x(n), bend(n);
+    std::vector<long> again;
     double radius = surface.radius, a = surface.upper(0), b = surface.lower(0);
     for (long i = 0; i < n; ++i) {
         if (!surface.revolves) {
@@ -188,16 +188,20 @@ inline std::tuple<Penetration, Array<double, 1>, Array<double, 1>> crests(const 
             continue;
         }
         auto line = local(surface.wheel, s(i));
-        double r = line.point.z + radius, guess = 0.0;
+        double r = line.point.z + radius;
         if (pose.rotation.x.y != 0.0) {
-            if (i > 0 && std::abs(s(i) - s(i - 1)) < NEXT)
-                guess = x(i - 1);
-            else
-                sample = -1;
-            auto at = lowest(surface.rail, radius, pose, line, guess, sample);
+            bool next = i > 0 && std::abs(s(i) - s(i - 1)) < NEXT;
+            auto at = lowest(surface.rail, radius, pose, line, next ? x(i - 1) : 0.0, next ? sample : -1);
             x(i) = at.x, sample = at.sample;
+            if (!at.ended) again.push_back(i);
         }
         bend(i) = std::max(r * line.tangent.y, 0.05 * r) / (radius * radius);
+    }
+    // from the other side: on a steep flange a search from a line whose own one has not ended may not end, either
+    for (; !again.empty(); again.pop_back()) {
+        long i = again.back(), next = std::min(i + 1, n - 1);
+        auto at = lowest(surface.rail, radius, pose, local(surface.wheel, s(i)), x(next), -1);
+        if (at.ended) x(i) = at.x;
     }
     return {penetration(surface, pose, s, x), x, bend};
 }

@@ -17,6 +17,7 @@ from time import perf_counter
 
 import numpy as np
 
+from wheelrail.bindings._contact import overloaded
 from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.contact.geometry.grid_points import GridPoints, SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
@@ -63,6 +64,7 @@ class FullContact:
         laws: of the interface.
         order: of the upstream difference formula for the slip, 1 or 2.
         options: of the solvers.
+        modulus: contact modulus of both bodies, Pa, which bounds the pressure.
 
     Under `mpirun` all ranks call it together, with distributed bodies, and get the same result except for the
     displacements in its `warm_start`.
@@ -74,6 +76,7 @@ class FullContact:
     laws: ContactLaws
     order: int = 2
     options: FullOptions = field(default_factory=FullOptions)
+    modulus: float = np.inf
 
     @cached_property
     def soft(self) -> ContactLaws:
@@ -120,6 +123,9 @@ class FullContact:
         if status != "converged":
             return ContactResult.failed(status, approach)
         traction = forces / points.area[:, None]
+        failure = overloaded(approach, -float(traction[:, 0].min(initial=0.0)), self.modulus)
+        if failure:
+            return ContactResult.failed(failure, approach)
         n = len(points.node)
         displacement = np.zeros((n, 3))
         local = ranks.all_reduce(problem.displacement @ u).reshape(-1, n).T

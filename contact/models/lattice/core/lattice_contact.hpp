@@ -2,7 +2,6 @@
 #pragma once
 #include "contact/models/lattice/core/blend.hpp"
 #include "contact/models/lattice/core/levels.hpp"
-#include "contact/models/lattice/core/patches.hpp"
 
 namespace wr {
 

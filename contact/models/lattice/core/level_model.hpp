@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 
+#include "contact/models/lattice/core/patches.hpp"
 #include "contact/models/lattice/derivatives/core/tangent.hpp"
 #include "contact/models/lattice/solver/core/newton.hpp"
 
@@ -110,11 +111,13 @@ class LevelModel {
             problem.check_inside();
             LatticeOutcome done;
             auto found = earlier ? from_earlier(problem, *earlier, done.count) : std::nullopt;
-            if (!found) found = from_none(problem, done.count);
+            if (!found || problem.tensile(found->state)) found = from_none(problem, done.count);
             const auto& state = found->state;
             problem.check_loaded(state.strips);
             done.solution = done.warm = std::make_shared<LatticeSolution>(*found);
             if (problem.tensile(state)) return without_tension(problem, done.solution);
+            auto failure = overloaded(approach, peak(state.values), problem.tables().modulus);
+            if (!failure.empty()) return LatticeOutcome::failed(failure, approach);
             done.status = LatticeOutcome::SOLVED, done.approach = approach;
             done.points = long(state.strips.size()) * setting->cells();
             done.load = resultants(state.values, problem.of(state.strips));
@@ -168,6 +171,14 @@ class LevelModel {
     }
 
   private:
+    // Largest pressure Pa of loaded strips with values (S, block).
+    static double peak(Rows values) {
+        double highest = 0.0;
+        long last = values.shape[1] - 2;
+        for (long i = 0; i < values.size(); ++i)
+            highest = std::max(highest, highest_pressure(values[i].part(last - MODES, last)));
+        return highest;
+    }
     // Solution from complementarity on equal cells along each strip.
     LatticeSolution from_cells(LatticeProblem& problem, const StripBasis& cells, IterationCount& count) const {
         auto state = cold_start(problem, cells);

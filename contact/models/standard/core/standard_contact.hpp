@@ -8,9 +8,6 @@
 
 namespace wr {
 
-constexpr double LARGEST_PRESSURE = 0.19;  // of E*: a patch on a sphere is then 0.3 times as wide as that, too wide for
-                                           // half-spaces
-
 // What the standard contact of a pair needs.
 struct StandardData {
     Parameters parameters;
@@ -25,14 +22,11 @@ struct StandardData {
 //
 // Parameters: largest extent m of patches along and across, E* Pa and method of the pair; values (8,).
 inline std::string failure(const std::array<double, 2>& extent, double E_star, long method, const Numbers& values) {
-    double pressure = values(7), highest = LARGEST_PRESSURE * E_star;
     for (int a = 0; a < 2; ++a)
         if (!(values(4 + a) < extent[a]))
             return text("the surfaces conform: a semi-axis of %.3g mm is not on the bodies, whose extent is %.3g mm",
                         1e3 * values(4 + a), 1e3 * extent[a]);
-    if (pressure > highest)
-        return text("the bodies overlap by %.3g mm, too deep for half-spaces: %.3g GPa are above %g E* = %.3g GPa",
-                    1e3 * values(0), 1e-9 * pressure, LARGEST_PRESSURE, 1e-9 * highest);
+    if (auto deep = overloaded(values(0), values(7), E_star); !deep.empty()) return deep;
     if (method != NO_FRICTION && !(values(6) > 0.0))
         return text("friction needs a positive rolling speed, got %g m/s; with mu = 0 any is allowed", values(6));
     return "";
@@ -48,11 +42,13 @@ class StandardContact : public PairContact {
         memory->regions = store_force(own_.parameters, pair, wrench, values);
         double approach = values(0);
         if (memory->regions.beyond)
-            return PairSolution::failed(overlap(own_.parameters.pair(), pair.pose, own_.parameters.lines, own_.wheel, own_.rail),
-                                        approach > 0.0 ? approach : std::nan(""));
+            return PairSolution::failed(
+                overlap(own_.parameters.pair(), pair.pose, own_.parameters.lines, own_.wheel, own_.rail),
+                approach > 0.0 ? approach : std::nan(""));
         if (memory->regions.contacts.size() == 0) return PairSolution::separated(approach);
         const auto& p = own_.parameters;
-        if (auto reason = failure(own_.extent, p.elastic.E_star, p.method, values); !reason.empty()) return PairSolution::failed(reason, approach);
+        if (auto reason = failure(own_.extent, p.elastic.E_star, p.method, values); !reason.empty())
+            return PairSolution::failed(reason, approach);
         PairSolution solution;
         solution.status = Status::CONVERGED, solution.approach = approach;
         solution.force = vec_of(wrench.part(0, 3)), solution.moment = vec_of(wrench.part(3, 6));

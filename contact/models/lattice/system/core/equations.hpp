@@ -57,7 +57,8 @@ struct RigidSlip {
 };
 
 // Cells n = S M of a state with friction: tractions (2, n) Pa, slips (2, n) over the speed, pressures (2, n) Pa at
-// their ends and rho (n,) 1/Pa. The pressure of a trial state may be negative: its bound is zero.
+// their ends and rho (n,) 1/Pa. What is negative at one end is taken from the other, so that the mean is kept; the mean
+// of a trial state may be negative, too: its bound is zero.
 struct CellStates {
     Array<double, 2> q, s, p;
     Array<double, 1> rho;
@@ -68,12 +69,12 @@ struct CellStates {
         for (long n = 0; n < rho.size(); ++n) {
             long i = n / M, r = n % M;
             rho(n) = data.rho(r);
+            double ends[2] = {0.0, 0.0};
             for (int k = 0; k < 2; ++k) {
-                double pressure = 0.0;
-                for (int m = 0; m < MODES; ++m) pressure += values(i, 2 * M + m) * data.basis.ends(r, k, m);
-                p(k, n) = std::max(pressure, 0.0);
+                for (int m = 0; m < MODES; ++m) ends[k] += values(i, 2 * M + m) * data.basis.ends(r, k, m);
                 q(k, n) = values(i, k * M + r), s(k, n) = evaluation.slip(i, k, r);
             }
+            for (int k = 0; k < 2; ++k) p(k, n) = std::max(ends[k] + std::min(ends[1 - k], 0.0), 0.0);
         }
     }
 };
@@ -101,8 +102,9 @@ inline Array<double, 3> slopes_of_friction(const CellStates& cells, const Equati
         to(8) = of(12), to(9) = of(13);
         for (int k = 0; k < 2; ++k)
             for (int m = 0; m < (cells.p(k, c) > 0.0 ? MODES : 0); ++m) {
-                to(10 + 2 * m) += of(8 + 2 * k) * ends(c % M, k, m);
-                to(11 + 2 * m) += of(9 + 2 * k) * ends(c % M, k, m);
+                double by_mode = ends(c % M, k, m) + (cells.p(1 - k, c) > 0.0 ? 0.0 : ends(c % M, 1 - k, m));
+                to(10 + 2 * m) += of(8 + 2 * k) * by_mode;
+                to(11 + 2 * m) += of(9 + 2 * k) * by_mode;
             }
     }
     return slopes;
