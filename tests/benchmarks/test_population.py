@@ -336,3 +336,14 @@ def test_failures_under_pressure_without_bound() -> None:
     )
     reasons = [explanation(case, "left", failed) for case in (held, climbing)]
     assert sorted(reasons) == ["", "held down by friction on its flange to an overlap of half a millimetre"]
+
+
+def test_a_scan_goes_on_where_no_line_has_failed() -> None:
+    """Seed 800108: lines of a flange's tip followed one whose search had run to the rail's foot, "81.5 mm deep"."""
+    pair = wr.Wheelset(
+        wheel=wheel("cone", slope=0.05, face=1.22).profile, rail=rail("60E1", corner=0.000603921).profile,
+        laying_angle=0.1, radius=0.46, gauge=1.435, flange_back_distance=1.358, curvature=0.000702494, friction=0.0,
+        model="standard", normal="hertz",
+    )  # fmt: skip
+    found = pair.solve(y=-4.60082e-3, z=-7.767916297e-4, roll=-3.28634628e-4, yaw=0.0163129, speed=3.75344)
+    assert found.status == "converged"
