@@ -9,7 +9,7 @@ namespace wr {
 
 enum class Status { CONVERGED, SEPARATED, FAILED };
 
-// What a model keeps of a solve: for the next one that starts from it, for its tangent and patches.
+// What a model keeps of a solve.
 struct Memory {
     Memory() = default;
     Memory(const Memory&) = delete;
@@ -20,11 +20,12 @@ struct Memory {
 // Contact of a left-hand pair.
 struct PairSolution {
     Status status = Status::SEPARATED;
-    std::string reason;                       // of a failure
-    Vec<double> force, moment;                // N and N m on the wheel, about the pair's centre; zero of a failure
-    double approach = 0.0;                    // m, largest undeformed penetration, negative is a distance; NaN: unknown
-    long iterations = 0;                      // of Newton's method
-    std::shared_ptr<const Memory> memory;
+    std::string reason;                    // of a failure
+    Vec<double> force, moment;             // N and N m on the wheel, about the pair's centre; zero of a failure
+    double approach = 0.0;                 // m, largest undeformed penetration, negative is a distance; NaN: unknown
+    long iterations = 0;                   // of Newton's method
+    std::shared_ptr<const Memory> memory;  // for tangent and patches
+    std::shared_ptr<const Memory> warm_start;  // for the next solve
 
     bool ok() const { return status != Status::FAILED; }
     static PairSolution separated(double approach) {

@@ -1,5 +1,5 @@
-// Numbers that a host program exchanges with the contact element of a wheelset: one table for arrays, C, Fortran, FMI and
-// Python. Their order is that in arrays; a name is a valid identifier in all languages.
+// Numbers that a host program exchanges with the contact element of a wheelset: one table for arrays, C, Fortran, FMI
+// and Python. Their order is that in arrays; a name is a valid identifier in all languages.
 #pragma once
 #include <array>
 #include <cstring>
@@ -51,8 +51,8 @@ inline Variables output_variables() {
                 all.push_back({side + (moment ? "_M" : "_F") + axis, moment ? "N.m" : "N", what});
             }
     for (std::string side : SIDES)
-        all.push_back({side + "_approach", "m",
-                       "largest penetration of the undeformed " + side + " pair, negative is a gap"});
+        all.push_back(
+            {side + "_approach", "m", "largest penetration of the undeformed " + side + " pair, negative is a gap"});
     return all;
 }
 

@@ -12,8 +12,8 @@
 namespace wr {
 
 constexpr int SPEED = COORDINATES, RAILS = SPEED + 4;  // numbers of inputs: speed, and displacement of the first rail
-constexpr double CREEPAGE_STEP = 1e-5;  // of differences by the speed and, at 1 m from the centre, by the rotation of the
-                                        // track frame
+constexpr double CREEPAGE_STEP = 1e-5;  // of differences by the speed and, at 1 m from the centre, by the rotation of
+                                        // the track frame
 
 // Contact models of both sides, each of a left-hand pair, and dimensions of wheelset and track of each.
 struct WheelsetContact {
@@ -24,8 +24,8 @@ struct WheelsetContact {
 // Values (17,) in the order of `input_variables`, and what was solved there.
 struct WheelsetSolution {
     std::array<double, STATE> values{};
-    std::array<PairSolution, 2> sides;     // as left-hand pairs
-    Array<double, 2> wrench{2, 6};         // N and N m on the wheels, about the wheelset's centre
+    std::array<PairSolution, 2> sides;  // as left-hand pairs
+    Array<double, 2> wrench{2, 6};      // N and N m on the wheels, about the wheelset's centre
 
     bool ok() const { return sides[0].ok() && sides[1].ok(); }
     Numbers state() const { return {values.data(), {STATE}}; }
@@ -34,7 +34,8 @@ struct WheelsetSolution {
         std::string failures;
         for (int side = 0; side < 2; ++side)
             if (!sides[side].ok())
-                failures += (failures.empty() ? "failed: " : "; ") + std::string(SIDES[side]) + ": " + sides[side].reason;
+                failures +=
+                    (failures.empty() ? "failed: " : "; ") + std::string(SIDES[side]) + ": " + sides[side].reason;
         if (!failures.empty()) return failures;
         bool touches = false;
         for (const auto& own : sides) touches |= own.status == Status::CONVERGED;
@@ -68,7 +69,11 @@ class WheelsetElement {
     // there is none.
     void accept() {
         const auto& last = last_solved("accept");
-        for (int side = 0; side < 2; ++side) accepted_[side] = std::make_shared<const PairSolution>(last.sides[side]);
+        for (int side = 0; side < 2; ++side) {
+            auto own = last.sides[side];
+            own.memory.reset();  // which holds on to a whole problem
+            accepted_[side] = std::make_shared<const PairSolution>(std::move(own));
+        }
     }
     const Accepted& accepted() const { return accepted_; }
     void restore(const Accepted& accepted) { accepted_ = accepted, forget(); }
@@ -168,7 +173,7 @@ class WheelsetElement {
         if (rows.size() == 0) return;
         auto row = rows[best];
         double sign = mirrored ? -1.0 : 1.0;
-        double own[] = {double(rows.size()), row(0), row(1), row(2),  row(6),  sign * row(7), row(8), row(9),
+        double own[] = {double(rows.size()), row(0),  row(1),  row(2),  row(6), sign * row(7), row(8), row(9),
                         sign * row(10),      row(13), row(14), row(20), row(24)};
         static_assert(std::size(own) == PATCH_VALUES);
         std::copy(std::begin(own), std::end(own), values.begin());

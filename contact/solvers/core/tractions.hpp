@@ -10,11 +10,11 @@ namespace wr {
 
 constexpr double STEPS_TOLERANCE = 1e-3;  // of the residual relative to the norm of the bounds, of a start
 constexpr int NEWTON_STEPS = 60, FULL_STEPS = 15;
-constexpr int STALLS = 3;             // steps without descent that end the iteration
-constexpr int HALVING = 8;            // steps within which the residual must halve
-constexpr int BOUND_ITERATIONS = 60;  // of the fixed-point iteration of the bounds
-constexpr double NEAR_BOUND = 0.1;    // of the bound: residual below which Newton's method is tried again
-constexpr double CHORD = 0.1;         // largest reduction of the residual at which a step with old factors is accepted
+constexpr int STALLS = 3;              // steps without descent that end the iteration
+constexpr int HALVING = 8;             // steps within which the residual must halve
+constexpr int BOUND_ITERATIONS = 60;   // of the fixed-point iteration of the bounds
+constexpr double NEAR_BOUND = 0.1;     // of the bound: residual below which Newton's method is tried again
+constexpr double CHORD = 0.1;          // largest reduction of the residual at which a step with old factors is accepted
 constexpr double LEAST_NORM = 1e-300;  // keeps divisors positive
 
 inline Array<double, 2> moved_by(const Array<double, 2>& q, double factor, const Array<double, 2>& step) {

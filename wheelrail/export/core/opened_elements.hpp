@@ -40,8 +40,8 @@ struct OpenElement {
         : file(std::move(own)), element(std::move(contact)) {}
 };
 
-// All open elements of a process, by number from 1; those of one file share it. Functions return DONE or FAILURE, `open`
-// a number or NOBODY; none throws. Elements are independent: threads solve different ones at the same time.
+// All open elements of a process, by number from 1; those of one file share it. Functions return DONE or FAILURE,
+// `open` a number or NOBODY; none throws. Elements are independent: threads solve different ones at the same time.
 class OpenedElements {
   public:
     // Number of a new element of the options and the folder of a C host; library: folder of the library.
@@ -57,7 +57,8 @@ class OpenedElements {
                 else if ((key == "friction" || key == "left_friction" || key == "right_friction") && !is_text)
                     numbers[key] = std::get<double>(value);
                 else
-                    throw std::invalid_argument("options: " + key + ": must be one of scene, a file that was exported, "
+                    throw std::invalid_argument("options: " + key +
+                                                ": must be one of scene, a file that was exported, "
                                                 "friction, left_friction and right_friction");
             }
             auto file = opened(name.starts_with('/') || place.empty() ? name : place + "/" + name);

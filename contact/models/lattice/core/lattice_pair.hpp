@@ -35,12 +35,12 @@ class LatticePair : public PairContact {
         : model(std::move(model)), other(std::move(other)) {}
 
     PairSolution solve(const LeftPair<double>& pair, const PairSolution* earlier) const override {
-        const LatticeStart* start = earlier && earlier->memory ? &found(*earlier).start : nullptr;
-        auto memory = std::make_shared<Found>(model->solve(motion_of(pair), start));
+        const auto* known = earlier ? static_cast<const Start*>(earlier->warm_start.get()) : nullptr;
+        auto memory = std::make_shared<Found>(model->solve(motion_of(pair), known ? &known->start : nullptr));
         const LatticeResult& done = *memory->result;
         if (!done.ok()) return PairSolution::failed(done.first().failure, done.approach());
         PairSolution solution = PairSolution::separated(done.approach());
-        solution.memory = memory;
+        solution.memory = memory, solution.warm_start = std::make_shared<Start>(done.start);
         if (done.separated()) return solution;
         auto load = done.load();
         solution.status = Status::CONVERGED, solution.iterations = done.count().newton;
@@ -62,6 +62,10 @@ class LatticePair : public PairContact {
     struct Found : Memory {
         explicit Found(std::shared_ptr<LatticeResult> result) : result(std::move(result)) {}
         std::shared_ptr<LatticeResult> result;
+    };
+    struct Start : Memory {
+        explicit Start(LatticeStart start) : start(std::move(start)) {}
+        LatticeStart start;
     };
     static LatticeResult& found(const PairSolution& solution) {
         return *static_cast<const Found&>(*solution.memory).result;
