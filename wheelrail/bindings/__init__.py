@@ -21,11 +21,11 @@ def build() -> Path:
 
 def require_built(folder: Path) -> None:
     """Raises ImportError where the modules are missing or older than their sources, which installed packages lack."""
-    if not (modules := [file.stat().st_mtime for file in folder.glob("*.so")]):
+    if not (modules := [file.stat().st_mtime for file in folder.glob("_*.so")]):
         raise ImportError(f"the compiled core is missing in {folder}: make core")
     for pattern in ("../bindings/*.[ch]pp", "*/core/*.hpp", "*/*/core/*.hpp", "*/*/*/core/*.hpp", "*/*/*/*/core/*.hpp"):
         for file in HERE.parent.glob(pattern):
-            if file.stat().st_mtime > max(modules):
+            if file.stat().st_mtime > max(modules) and file.name != "library.cpp":  # no part of them
                 raise ImportError(f"{file} is newer than the compiled core: make core")
 
 

@@ -9,7 +9,6 @@
 
 namespace wr {
 
-
 using ByPose = Dual<POSE>;
 using ByChanges = Dual<CHANGES>;
 
