@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 FILE = "contact.wheelset"  # as the library looks for
-LIBRARY = "libwheelrail.so"
+LIBRARY = "lib/libwheelrail.so"  # in a folder of its own: Python takes others for modules
 
 
 def needs_python(wheelset: Wheelset) -> str:
@@ -103,7 +103,7 @@ def copy_library(target: Path) -> None:
     build = bindings.HERE.parents[1] / "bindings"
     if bindings.FOLDER.parent == bindings.HERE and (build / "build.ninja").exists():
         if not library.exists():
-            log.info("compiling %s for this processor, once: a minute", LIBRARY)
+            log.info("compiling %s for this processor, once: a minute", library.name)
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', os.defpath)}"
         ninja = shutil.which("ninja", path=path) or "ninja"
         command = [ninja, "-C", str(build), f"library-{bindings.FOLDER.name}"]
