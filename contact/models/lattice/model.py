@@ -172,6 +172,7 @@ class LatticeContact:
 
     @cached_property
     def _setting(self) -> LatticeSetting:
+        law = residual_code(self.laws)  # which may lack a compiler, before the bodies' compliance takes its time
         lines, outline = None, np.zeros((2, 0))
         if isinstance(surfaces := self.operators.surfaces, ProfileStrips):
             lines, outline = surfaces.rigid.lines, rail_outline(surfaces)
@@ -184,7 +185,7 @@ class LatticeContact:
             equal_cells(PROBES[0]),
             equal_cells(PROBES[1]),
             [equal_cells(cells, self._problem) for cells in START_CELLS],
-            residual_code(self.laws),
+            law,
             margin(self.level),
             self.apart(self.level),
             self.tolerance,
