@@ -140,13 +140,34 @@ def wheels_under_load(
     depths, results, trials = find_depths_for_loads(
         wheels,
         np.full(2, load),
-        start=np.array([start.depth for start in starts]),
+        start=_start_together(contact, state, starts),
         slopes=np.array([start.slope for start in starts]),
         guess=tuple(start.results[0] for start in starts),
         rtol=rtol,
     )
     solves = sum(start.trials for start in starts) + 2 * trials
     return WheelsetEquilibrium(at_depths(state, depths, base), dict(zip(SIDES, results, strict=True)), solves)
+
+
+def _start_together(contact: WheelsetContact, state: WheelsetState, starts: list[LoadSolution]) -> Array:
+    """Depths (2,) m from which both wheels are solved, from those at which each carries its load at the state's roll:
+    one that is far deeper at the roll of both, as on a flange by millimetres, is lifted to its approach under the load.
+    """
+    depths = np.array([start.depth for start in starts])
+    approach = np.array([start.results[0].approach for start in starts])
+    before = np.zeros((2, 2))
+    for step in range(STEPS):
+        lowered = at_depths(state, depths, contact.mounting.wheel_y)
+        known = [_penetration(contact.of(side), lowered, side) for side in SIDES]
+        penetration = np.array([own if own is not None else np.nan for own in known])
+        deep = penetration > DEEP * approach
+        if not deep.any():
+            break
+        way = depths - before[0]
+        change = (penetration - before[1]) / np.where(way != 0.0, way, np.inf) if step else np.ones(2)
+        before = np.array([depths, penetration])
+        depths = depths - np.where(deep, (penetration - approach) / np.clip(change, FLATTEST, 1.0), 0.0)
+    return depths
 
 
 def _find_depth(

@@ -59,16 +59,17 @@ class TextTable:
 
 def text_table(lines: Sequence[tuple[int, str]]) -> TextTable:
     """Table of numbered lines, split in the way that leaves the most lines with at least two numbers."""
+    contents = [(number, COMMENT.sub("", line).strip()) for number, line in lines]
     stride = max(1, len(lines) // SAMPLE)
-    sample = [line for _, line in lines[::stride]]
-    counts = [sum(_has_numbers(style.cells(line)) for line in sample) for style in STYLES]
+    sample = [content for _, content in contents[::stride]]
+    counts = [sum(_has_numbers(style.cells(content)) for content in sample) for style in STYLES]
     style = STYLES[counts.index(max(counts))]
     rows, text = [], []
-    for number, line in lines:
-        cells = style.cells(line)
+    for number, content in contents:
+        cells = style.cells(content)
         if _has_numbers(cells):
             rows.append((number, cells))
-        elif content := COMMENT.sub("", line).strip():
+        elif content:
             text.append((number, content))
     usual = Counter(len(cells) for _, cells in rows).most_common(1)
     while rows and len(rows[0][1]) != usual[0][0]:  # a date or a count of other things
@@ -97,12 +98,11 @@ class Style:
     split: Callable[[str], list[str]]
     comma: bool = False
 
-    def cells(self, line: str) -> Cells:
-        """Numbers of a line."""
-        line = COMMENT.sub("", line).strip().replace("\u2212", "-").replace("\u00a0", " ")
-        if not ANY_VALUE.search(line):
-            return []
-        return [self._number(text.strip(" \"'")) for text in self.split(line)]
+    def cells(self, content: str) -> Cells:
+        """Numbers of a line without its comment; none without a second cell."""
+        content = content.replace("\u2212", "-").replace("\u00a0", " ")
+        texts = self.split(content) if ANY_VALUE.search(content) else []
+        return [self._number(text.strip(" \"'")) for text in texts] if len(texts) > 1 else []
 
     def _number(self, text: str) -> float | None:
         if self.comma:

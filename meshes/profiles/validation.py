@@ -195,7 +195,9 @@ def _thinned(points: Array, close: float) -> list[int]:
 
 
 def _crossing(points: Array) -> tuple[int, int] | None:
-    """First pair of segments that cross; n (n - 1) / 2 tests, row by row."""
+    """First pair of segments that cross; n (n - 1) / 2 tests, row by row, but of points in order."""
+    if (np.diff(points[:, 0]) > 0.0).all():
+        return None
     p = points[:, 0] + 1j * points[:, 1]
     a, d = p[:-1], np.diff(p)
     for i in range(len(d) - 2):
