@@ -39,6 +39,7 @@ nb::bytes sealed(const WheelsetHead& head, const nb::list& models) {
 
 void bind_element(nb::module_& m) {
     m.attr("INTERFACE") = INTERFACE;
+    m.attr("DEFAULT_FILE") = DEFAULT_FILE;
     m.def(
         "input_variables", [] { return rows(input_variables()); },
         "Name, unit and description of an element's inputs.");

@@ -16,7 +16,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from wheelrail.export.header import FUNCTIONS, c_header, fortran_module
+from wheelrail.export.header import c_header, fortran_module, functions
 from wheelrail.export.host import loaded_wheelset
 from wheelrail.export.native import copy_library, needs_python, write_native
 from wheelrail.export.runtime import export_runtime, write_scene
@@ -115,7 +115,7 @@ def compile_library(library: Path, module: str, source: str, runtime: str = "") 
     except ImportError:
         raise OSError("cffi is not installed; install wheelrail[export]") from None
     ffi = FFI()
-    ffi.embedding_api(FUNCTIONS.replace("int wheelrail_version(void);", "").replace("_open(", "_python_open("))
+    ffi.embedding_api(functions().replace("int wheelrail_version(void);", "").replace("_open(", "_python_open("))
     libpython = f'#define LIBPYTHON "{sysconfig.get_config_var("INSTSONAME")}"'
     ffi.cdef("const char *wheelrail_library(void);")
     ffi.set_source(module, "\n".join((libpython, c_header(), _text("python.c"), source)))

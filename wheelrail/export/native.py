@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from wheelrail import bindings
 from wheelrail.api.elements.checks import FRICTION
 from wheelrail.api.elements.wheelset_arrays import LIMITS
-from wheelrail.bindings._contact import AllowedRange, LatticeFile, StandardData, law_file, sealed_wheelset
+from wheelrail.bindings._contact import DEFAULT_FILE, AllowedRange, LatticeFile, StandardData, law_file, sealed_wheelset
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.laws.friction import Coulomb
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-FILE = "contact.wheelset"  # as the library looks for
 LIBRARY = "lib/libwheelrail.so"  # in a folder of its own: Python takes others for modules
 
 
@@ -75,7 +74,7 @@ def write_native(wheelset: Wheelset, folder: Path, token: str = "") -> None:
         (of_sides[0].mounting.dimensions, of_sides[1].mounting.dimensions),
         models,
     )
-    (folder / FILE).write_bytes(content)
+    (folder / DEFAULT_FILE).write_bytes(content)
 
 
 def _data(model: ContactModel, folder: Path) -> StandardData | LatticeFile:

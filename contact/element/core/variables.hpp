@@ -1,8 +1,6 @@
 // Numbers that a host program exchanges with the contact element of a wheelset: one table for arrays, C, Fortran, FMI
 // and Python. Their order is that in arrays; a name is a valid identifier in all languages.
 #pragma once
-#include <array>
-#include <cstring>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,5 @@
 // Texts on overlaps that are not solved.
 #pragma once
-#include <cstdio>
 #include <string>
 
 #include "support/core/plane.hpp"
@@ -13,11 +12,9 @@ inline const char* const UNSOLVED = "beyond the part of its surface that carries
 
 // Depth m of an overlap, its place m on the wheel's profile, and the reason.
 inline std::string overlap_text(double depth, const Point<double>& place, const std::string& reason) {
-    char text[160];
-    std::snprintf(text, sizeof text,
-                  "the wheel overlaps the rail %.3g mm deep at y = %.1f, z = %.1f mm of its profile, ", 1e3 * depth,
-                  1e3 * place.y, 1e3 * place.z);
-    return text + reason;
+    return text("the wheel overlaps the rail %.3g mm deep at y = %.1f, z = %.1f mm of its profile, ", 1e3 * depth,
+                1e3 * place.y, 1e3 * place.z) +
+           reason;
 }
 
 // of the contact modulus: a patch on a sphere is then 0.3 times as wide as that, too wide for half-spaces

@@ -12,7 +12,6 @@
 namespace wr {
 
 constexpr int DONE = 0, FAILURE = 1, NOBODY = 0;  // as in the C header; NOBODY: in place of an element's number
-constexpr const char* DEFAULT_FILE = "contact.wheelset";
 
 // Path of a folder that is a path or a URL file://...
 inline std::string path_of(std::string folder) {
@@ -82,15 +81,11 @@ class OpenedElements {
     // Do something with an element; failures are its error.
     template <class F>
     int with(int number, const F& action) {
-        std::shared_ptr<OpenElement> own;
-        {
+        auto own = element(number);
+        if (!own) {
             std::lock_guard guard(lock_);
-            auto found = elements_.find(number);
-            if (found == elements_.end()) {
-                error_ = not_open(number);
-                return FAILURE;
-            }
-            own = found->second;
+            error_ = not_open(number);
+            return FAILURE;
         }
         std::lock_guard guard(own->lock);
         return guarded(own->error, FAILURE, [&] {
@@ -109,11 +104,9 @@ class OpenedElements {
     }
     // Text of the last failure of an element, or of `open` for NOBODY.
     std::string error(int number) {
-        std::lock_guard guard(lock_);
-        auto found = elements_.find(number);
-        if (found == elements_.end()) return error_;
-        std::lock_guard own(found->second->lock);
-        return found->second->error;
+        auto own = element(number);
+        std::lock_guard guard(own ? own->lock : lock_);
+        return own ? own->error : error_;
     }
     std::shared_ptr<const WheelsetFile> opened(const std::string& path) {
         std::lock_guard guard(lock_);
@@ -126,6 +119,12 @@ class OpenedElements {
     }
 
   private:
+    // An open element, or null.
+    std::shared_ptr<OpenElement> element(int number) {
+        std::lock_guard guard(lock_);
+        auto found = elements_.find(number);
+        return found == elements_.end() ? nullptr : found->second;
+    }
     template <class F>
     int guarded(std::string& error, int failed, const F& action) {
         std::string reason;

@@ -12,6 +12,8 @@
 
 namespace wr {
 
+constexpr const char* DEFAULT_FILE = "contact.wheelset";  // as the library looks for
+
 // Allowed numbers from low to high, and the text of what is allowed.
 struct AllowedRange {
     double low = 0.0, high = 0.0;

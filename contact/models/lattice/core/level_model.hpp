@@ -103,9 +103,7 @@ class LevelModel {
             return apart;
         }
         if (setting->surface.revolves && approach > DEEPEST[setting->tables->finite()]) {
-            char text[96];
-            std::snprintf(text, sizeof text, ": both overlap by %.3g mm", 1e3 * approach);
-            return LatticeOutcome::failed(std::string(TOO_DEEP) + text, approach);
+            return LatticeOutcome::failed(TOO_DEEP + text(": both overlap by %.3g mm", 1e3 * approach), approach);
         }
         try {
             problem.check_inside();

@@ -88,10 +88,7 @@ class LatticeNewton {
         if (at.event == SINGULAR) failure = "the Jacobian of the contact is singular";
         if (at.event == TOO_LONG) failure = "the first step is too long";
         if (at.event == NOT_FINITE) failure = "the step of the contact is not finite";
-        if (!failure) return;
-        char text[96];
-        std::snprintf(text, sizeof text, "%s (last step %.1e)", failure, at.size);
-        throw NotConverged(text);
+        if (failure) throw NotConverged(text("%s (last step %.1e)", failure, at.size));
     }
 
     // The state without strips (S,) that leave, which may count.

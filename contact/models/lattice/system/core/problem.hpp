@@ -129,11 +129,9 @@ class LatticeProblem {
         if (!at.rolls()) return 0.0;
         if (at.shifts()) return 1.0;
         if (lines.speed > 0.0) return lines.speed;
-        char text[160];
-        std::snprintf(text, sizeof text,
-                      "friction needs a wheel that rolls forward, but the material flows at %g m/s; mu = 0 needs none",
-                      lines.speed);
-        throw NotRolling(text);
+        throw NotRolling(
+            text("friction needs a wheel that rolls forward, but the material flows at %g m/s; mu = 0 needs none",
+                 lines.speed));
     }
     // Pose and velocities with this speed. Throws NotRolling.
     Motion data() const {
