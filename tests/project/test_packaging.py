@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SCIENCE = ("contact", "forms", "meshes", "vehicle")
 SOURCES = ["pyproject.toml", "README.md", "LICENSE", "bindings", "scenes", "wheelrail", *SCIENCE]
-CARRIED = {".py", ".pyi", ".so", ".toml", ".html", ".css", ".js", ".c", ".f90", ".in"}
+CARRIED = {".py", ".pyi", ".so", ".toml", ".html", ".css", ".js", ".c", ".h", ".f90", ".in"}
 BUILT = ("*.so", "_[!_]*.pyi", "CMake[!L]*", "*.cmake", "*.ninja", "*.a", ".*")  # what compiling leaves
 pytest.importorskip("scikit_build_core")
 
