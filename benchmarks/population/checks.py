@@ -26,6 +26,7 @@ TILT = 1.25  # times the overlap inside of patches: a web that bends by 0.7 mm t
 # 4/3 on an ellipse and pi/2 where the strips shorten linearly.
 PARABOLIC = 0.5 * np.pi
 PLACES = 11  # of a strip around a point
+NAMED = 0.1  # of the approach: overlaps outside the patches that results of the standard contact name
 E, NU = 2.1e11, 0.3
 
 
@@ -155,10 +156,24 @@ def _overlap(situation: Situation, side: Side, section: Section, result: SideRes
     if abs(deepest - result.approach) > allowed:
         at = _where(section, depth)
         yield f"approach {1e6 * result.approach:.2f} um where the overlap is {1e6 * deepest:.2f} um{at}"
-    outside = ~inside & (depth > TOUCH)
+    excess, where = _remaining(situation, section, ~inside, within, unseen, result)
+    if excess > 0.0 and not names_overlap(result, excess):
+        yield f"overlap of {1e6 * excess:.1f} um remains outside the contacts{where}"
+
+
+def names_overlap(result: SideResult, excess: float = 0.0) -> bool:
+    """Whether a result of the standard contact says that an overlap m, or more, remains outside its patches."""
+    return result.unsolved > NAMED * result.approach and result.unsolved > (1.0 - NAMED) * excess
+
+
+def _remaining(
+    situation: Situation, section: Section, outside: Mask, within: float, unseen: float, result: SideResult
+) -> tuple[float, str]:
+    """Overlap m outside the patches beyond the elastic lowering there, and its place; 0 if it is small."""
+    outside = outside & (section.depth > TOUCH)
     if not outside.any():
-        return
-    excess = depth[outside] - lowering(section.place[outside], result)
+        return 0.0, ""
+    excess = float((section.depth[outside] - lowering(section.place[outside], result)).max())
     margin = TOUCH + 0.1 * max(within, 0.0) + unseen
     if (
         flexible(situation)
@@ -166,9 +181,8 @@ def _overlap(situation: Situation, side: Side, section: Section, result: SideRes
         or situation.wheelset.get("model") == "full"
     ):
         margin = max(margin, TILT * within)  # webs, feet, axles and pads give way, too
-    if excess.max() > margin:
-        remaining = np.where(outside, depth, -np.inf)
-        yield f"overlap of {1e6 * excess.max():.1f} um remains outside the contacts{_where(section, remaining)}"
+    where = _where(section, np.where(outside, section.depth, -np.inf))
+    return (excess, where) if excess > margin else (0.0, "")
 
 
 def within_strip(section: Section, result: SideResult) -> float:

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from benchmarks.population.checks import LOAD, TOUCH, broken
+from benchmarks.population.checks import LOAD, TOUCH, broken, names_overlap
 from benchmarks.population.draw import Situation, with_profiles
 from benchmarks.population.explanations import explanation
 from benchmarks.population.oracle import RigidSide
@@ -87,6 +87,8 @@ def judged(situation: Situation) -> Verdict:
         texts = [f"its judgement raises {type(error).__name__}: {error}"]
     if texts:
         return verdict("wrong", "; ".join(texts), sides)
+    if not failures and any(names_overlap(result) for result in results.values()):
+        return verdict("explained failure", "names an overlap that virtual penetration leaves", sides)
     if not failures:
         return verdict("right", "", sides)
     reasons = {side: explanation(situation, side, result) for side, result in failures.items()}

@@ -33,6 +33,7 @@ class SideResult:
         patch_force, bands: (p, 3) N and (p, 2) m, force and lateral extent on the wheel of every patch.
         normal_force, peak: (p,) N and Pa, of the patches.
         strips: (p,), across the patches.
+        unsolved: m, overlap that the standard contact says it leaves; 0 of other models.
         position, axes: (n, 3) m and (n, 3, 3), of the contact points; axes are turned by the roll of a rail on pads.
         area, pressure: (n,) m2 and Pa.
         traction, slip: (n, 2) Pa on the wheel, and over the rolling speed.
@@ -51,6 +52,7 @@ class SideResult:
     normal_force: Array
     peak: Array
     strips: Array
+    unsolved: float
     position: Array
     axes: Array
     area: Array
@@ -103,6 +105,7 @@ def side_result(data: Dataset, side: Side) -> SideResult:
         "normal_force": of_patches("patch_normal_force"),
         "peak": of_patches("patch_max_pressure"),
         "strips": of_patches("patch_strips"),
+        "unsolved": float(np.nan_to_num(own["unsolved_overlap"])) if "unsolved_overlap" in own else 0.0,
         "position": points["position"].values * vector,
         "axes": points["axes"].values * vector * np.array([1.0, vector[1], 1.0])[:, None] @ turn,
         "area": points["area"].values,

@@ -9,6 +9,7 @@ import numpy as np
 
 from wheelrail.contact.results.result import FEWEST_STRIPS
 from wheelrail.scenes.contacts.shapes import WIDEST
+from wheelrail.scenes.contacts.side_values import SideValues
 from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.datasets.run_schema import AXES
 
@@ -115,5 +116,7 @@ def _sides(data: Dataset) -> list[str]:
         if wide:
             line += f"; the surfaces turn by {np.nanmax(turns):.2f} rad across half of patch {', '.join(wide)}: "
             line += "too wide for half-spaces"
+        if unsolved := SideValues(data, str(side)).unsolved:
+            line += f"; {unsolved}: use strips"
         lines.append(f"{line}; {significant(float(own['contact_seconds']), 2)} s")
     return lines

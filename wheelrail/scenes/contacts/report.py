@@ -105,7 +105,7 @@ def _side(own: SideValues) -> dict[str, Any]:
         return {"status": own["status"]}
     if not own.ok:
         return {"status": own["status"], "statistics": _statistics(own)}
-    extra: dict[str, Any] = {}
+    extra: dict[str, Any] = {"unsolved": own.unsolved} if own.unsolved else {}
     if own.error_estimate:
         extra["error_estimate"] = own.error_estimate
     if own.stressed_bodies:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wheelrail.scenes.contacts.overlaps import LARGEST
 from wheelrail.scenes.datasets.contact import ERRORS
 
 if TYPE_CHECKING:
@@ -60,6 +61,16 @@ class SideValues:
     def turn(self, patch: int) -> float:
         """Angle rad of `patch_turn`; NaN for bodies that are no half-spaces, and for a patch that there is not."""
         return float(self["patch_turn"][patch]) if patch < self.patches and "patch_turn" in self.data else math.nan
+
+    @property
+    def unsolved(self) -> str:
+        """Depth and place of an overlap that the model should have solved; empty without."""
+        depth = self["unsolved_overlap"] if "unsolved_overlap" in self.data else 0.0
+        if not (self.patches and depth > LARGEST * self["approach"]):
+            return ""
+        return (
+            f"overlap of {1e6 * depth:.1f} µm not solved at y = {1e3 * self['unsolved_overlap_y']:.1f} mm of the wheel"
+        )
 
     @property
     def error_estimate(self) -> dict[str, float]:

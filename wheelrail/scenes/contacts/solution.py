@@ -11,6 +11,7 @@ import numpy as np
 
 from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.scenes.builders.laws import laws
+from wheelrail.scenes.contacts.overlaps import unsolved_overlaps
 from wheelrail.scenes.contacts.shapes import gap_curvatures, outlines, turns
 from wheelrail.scenes.contacts.stress import stress_variables
 from wheelrail.scenes.datasets.contact import contact_dataset
@@ -51,6 +52,7 @@ def solution_dataset(
         **_cost(solved),
         **gap_curvatures(scene, solved, profiles or {}),
         **turns(scene, solved, profiles or {}),
+        **unsolved_overlaps(scene, solved, profiles or {}),
         **outlines(list(solved), profiles or {}),
         **stress_variables(solved),
     )

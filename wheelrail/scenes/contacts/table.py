@@ -76,6 +76,8 @@ def table(data: Dataset) -> TextTable:
     names = data["side"].values.tolist()
     sides = [SideValues(data, name) for name in ("left", "right", "contact") if name in names]
     rows: list[tuple[str, ...]] = [(label, *(text(own) if own.ok else "-" for own in sides)) for label, text in ROWS]
+    if any(own.unsolved for own in sides):
+        rows.append(("strips solve more", *(own.unsolved for own in sides)))
     if any(own.error_estimate for own in sides):
         rows.append(())
         for label, name, scale in ERROR_ROWS:
