@@ -26,7 +26,7 @@ from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER
 from wheelrail.scenes.builders.wheelset import wheelset_contact
-from wheelrail.scenes.runs.vehicle_run import simulate_on_track, vehicle_for_run
+from wheelrail.scenes.runs.run import simulate_on_track, vehicle_for_run
 from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.vehicle.multibody.coordinates import Y

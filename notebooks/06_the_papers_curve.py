@@ -103,19 +103,19 @@ last = run.data.sel(time=slice(float(run.data.time[-1]) - 1.0, None))
 mean = last.mean("time")
 
 
-def acceleration(coordinate: str) -> float:
-    rate = last[f"{coordinate}_rate"]
+def acceleration(body: str, coordinate: str) -> float:
+    rate = last[f"body_{coordinate}_rate"].sel(body=body)
     return float(rate[-1] - rate[0]) / float(last.time[-1] - last.time[0])
 
 
 bodies = {"car_body": section.car_body, "bogie": section.bogie, "wheelset": section.wheelset}
 lateral, upwards, moment = 0.0, 0.0, 0.0  # N and N m, forces and moment of the rails
 for name, body in bodies.items():
-    inertia = body.mass * (outwards + acceleration(f"{name}_y"))
+    inertia = body.mass * (outwards + acceleration(name, "y"))
     lateral += inertia
-    upwards += body.mass * (downwards + acceleration(f"{name}_z"))
-    moment += inertia * body.height - body.mass * downwards * float(mean[f"{name}_y"])
-    moment -= body.roll_inertia * acceleration(f"{name}_roll")
+    upwards += body.mass * (downwards + acceleration(name, "z"))
+    moment += inertia * body.height - body.mass * downwards * float(mean.body_y.sel(body=name))
+    moment -= body.roll_inertia * acceleration(name, "roll")
 spin = speed / section.radius
 moment += section.wheelset.pitch_inertia * spin * speed * curvature * np.cos(tilt)
 
@@ -190,8 +190,10 @@ axes[-1].set_xlabel("distance along the track [m]")
 # (without the rates of the varying cant):
 
 # %%
-sample = run.data.isel(time=int(np.argmax(run.data.wheelset_y.values < -3e-3)))
-state = {key: float(sample[f"wheelset_{key}"]) for key in ("y", "roll", "pitch_rate", "y_rate", "roll_rate")}
+of_wheelset = run.data.sel(body="wheelset")
+sample = of_wheelset.isel(time=int(np.argmax(of_wheelset.body_y.values < -3e-3)))
+state = {key: float(sample[f"body_{key}"]) for key in ("y", "roll", "y_rate", "roll_rate")}
+state["pitch_rate"] = speed / section.radius + float(sample.body_pitch_rate)  # rolling, and its excess
 state |= {"speed": speed, "wheel_load": float(sample.vertical_force.sel(side="right")), "sides": ["right"]}
 patches = {}
 for name, size in SIZES.items():
@@ -215,18 +217,18 @@ for name, size in SIZES.items():
 
 # %%
 for name, data in runs.items():
-    heat = data.t_gamma.integrate("time").values * speed / 1e3
+    heat = data.t_gamma.sel(wheelset="wheelset").integrate("time").values * speed / 1e3
     print(f"{name:17} {heat[0]:5.2f} kJ left, {heat[1]:5.2f} kJ right")
 
 # %%
 assert run.status == "completed"
 for expected, force in by_hand.values():
     assert abs(force / expected - 1) < 0.01
-assert -6.4e-3 < float(mean.wheelset_y) < -6.1e-3
-assert -0.09 < float(mean.car_body_y) < -0.07
+assert -6.4e-3 < float(mean.body_y.sel(body="wheelset")) < -6.1e-3
+assert -0.09 < float(mean.body_y.sel(body="car_body")) < -0.07
 np.testing.assert_allclose(last.t_gamma, last.frictional_power / speed, rtol=1e-12)
 flange = run.data.wheel_y.sel(side="right").min("patch").values < -0.025
-first_contact = float(run.data.wheelset_y[np.argmax(flange)])
+first_contact = float(of_wheelset.body_y[np.argmax(flange)])
 assert -5.4e-3 < first_contact < -4.0e-3  # of the first row: y changes by up to 0.3 mm between rows
 rigid_mean = runs["standard contact"].vertical_force.sel(side="right", time=last.time).mean()
 assert abs(float(rigid_mean) / right - 1) < 0.02

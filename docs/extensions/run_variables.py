@@ -23,7 +23,7 @@ def _listed(values: Any) -> str:
 def _example() -> Any:
     from benchmarks.exudyn.linear_contact import LinearContact
     from wheelrail.scenes.datasets.run import dataset
-    from wheelrail.scenes.datasets.run_derived import wear, with_energy
+    from wheelrail.scenes.datasets.run_derived import with_energy
     from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
     from wheelrail.vehicle.simulation.simulate import simulate
     from wheelrail.vehicle.track.irregularity_spectrum import ERRI
@@ -33,5 +33,4 @@ def _example() -> Any:
     wagon = Wagon()
     track = Track(irregularities=ERRI["low"].irregularities(40.0, seed=1))
     history = simulate(wagon_dynamics(wagon, track, LinearContact(wagon.wheel_load), 20.0), (0.0, 0.01))
-    data = dataset(history)
-    return with_energy(data.assign(wear(data, 300e6)), history)
+    return with_energy(dataset(history), history)

@@ -163,7 +163,7 @@ def test_the_noisy_pair_of_the_page(
     assert pressures[0] == pytest.approx(pressures[1], rel=0.3)
     run = names["run"]
     assert run.status == "completed"
-    assert np.abs(run.data.wheelset_y).max() < 8e-3
+    assert np.abs(run.data.body_y.sel(body="wheelset")).max() < 8e-3
     text = curve[: curve.index("[profiles]")] + curve[curve.index("[track]") :]
     (tables,) = blocks("profile", "toml")
     scene = parse_scene(f"{text}\n{tables}", tmp_path / "curve.toml")

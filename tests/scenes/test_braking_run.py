@@ -15,7 +15,7 @@ from xarray import Dataset, load_dataset
 from wheelrail.cli.main import app
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER
 from wheelrail.scenes.html_report.write import write_report
-from wheelrail.scenes.plots.vehicle_runs import pictures_of
+from wheelrail.scenes.plots.runs import pictures_of
 from wheelrail.scenes.runs import run as runs
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
@@ -42,7 +42,7 @@ def command(folder: Path, scene: str, *options: str, vehicle: tuple[str, ...] = 
     out = ("--out", str(folder)) if what == "run" else ()
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (LinearCreep(), None))
-        patched.setattr("wheelrail.scenes.runs.vehicle_steady.wheelset_contact", lambda scene: LinearCreep())
+        patched.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene: (LinearCreep(), None))
         return CliRunner().invoke(app, [what, str(file), *vehicle, *out, *options])
 
 
@@ -82,7 +82,7 @@ def test_results_count_from_where_the_vehicle_is(whole: Path) -> None:
 
 def test_report_has_speed_and_creep_forces(whole: Path, tmp_path: Path) -> None:
     page = write_report(whole, tmp_path / "report.html", view=False).read_text(encoding="utf-8")
-    assert page.count("data:image/") == 10  # one of the track, nine of the run
+    assert page.count("data:image/") == 11  # of the track, nine of the run, shakedown
     assert len(pictures_of(results(whole))) == 9
     assert "speed of vehicle and rims" in page
     figure = pictures_of(results(whole))["traction"](results(whole))

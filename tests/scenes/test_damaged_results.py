@@ -19,15 +19,10 @@ from wheelrail.cli.main import app
 from wheelrail.scenes.datasets.contact import ATTRIBUTES, CONTACT, check_contact
 from wheelrail.scenes.datasets.declared import Schema
 from wheelrail.scenes.datasets.netcdf import read, write
-from wheelrail.scenes.datasets.run_schema import (
-    COMMON_ATTRIBUTES,
-    VEHICLE,
-    VEHICLE_ATTRIBUTES,
-    WAGON,
-    WAGON_ATTRIBUTES,
-    check_run,
-)
-from wheelrail.scenes.plots.vehicle_runs import pictures_of
+from wheelrail.scenes.datasets.run_file import run_of
+from wheelrail.scenes.datasets.run_schema import ATTRIBUTES as RUN_ATTRIBUTES
+from wheelrail.scenes.datasets.run_schema import RUN
+from wheelrail.scenes.plots.runs import pictures_of
 
 SIZES = {"time": 5, "side": 2, "edge": 2, "axis": 3, "body": 3, "wheelset": 2, "element": 2, "patch": 1, "series": 1}
 NAMES = {
@@ -54,8 +49,8 @@ def made(schema: Schema, attributes: dict[str, type]) -> xr.Dataset:
     return data.assign_coords(time=("time", rising), distance=("time", rising))
 
 
-KINDS = {"wagon": (WAGON, WAGON_ATTRIBUTES), "vehicle": (VEHICLE, VEHICLE_ATTRIBUTES), "contact": (CONTACT, ATTRIBUTES)}
-CHECKS = {"wagon": check_run, "vehicle": check_run, "contact": check_contact}
+KINDS = {"run": (RUN, RUN_ATTRIBUTES), "contact": (CONTACT, ATTRIBUTES)}
+CHECKS: dict[str, Callable[[xr.Dataset, Path], object]] = {"run": run_of, "contact": check_contact}
 CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
     "time in reverse": lambda d: d.assign_coords(time=("time", d["time"].values[::-1].copy())),
     "time at rest": lambda d: d.assign_coords(time=("time", 0.0 * d["time"].values)),
@@ -74,8 +69,6 @@ CHANGES: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
     "a number": lambda d: d.assign(approach=0.0),
     "a speed not a number": lambda d: d.assign(speed=d["speed"] * np.nan),
     "no attributes": lambda d: d.drop_attrs(),
-}
-OF_VEHICLE: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
     "no wheelset": lambda d: d.isel(wheelset=slice(0, 0)),
     "a wheelset that is no body": lambda d: d.assign_coords(wheelset=["one", "three"]),
     "two bodies of one name": lambda d: d.assign_coords(body=["one", "one", "two"]),
@@ -99,7 +92,7 @@ def test_each_missing_variable_is_named(kind: str) -> None:
             with pytest.raises(
                 wr.SceneError,
                 match=r"run\.nc: must contain results of a run"
-                if kind != "contact" and name in ("body_y", "wheelset_y", "patches")
+                if kind != "contact" and name in ("body_y", "patches")
                 else rf"run\.nc: {name}: ",
             ):
                 CHECKS[kind](data.drop_vars(name), FILE)
@@ -118,12 +111,10 @@ def test_each_attribute_of_another_type_is_named(kind: str) -> None:
                 CHECKS[kind](altered, FILE)
 
 
-@pytest.mark.parametrize(
-    ("kind", "name"), [*(("wagon", n) for n in CHANGES), *(("vehicle", n) for n in (*CHANGES, *OF_VEHICLE))]
-)
-def test_altered_results_are_refused(kind: str, name: str) -> None:
+@pytest.mark.parametrize("name", CHANGES)
+def test_altered_results_are_refused(name: str) -> None:
     with pytest.raises(wr.SceneError, match=r"^run\.nc: [^\n]+$"):
-        check_run((CHANGES | OF_VEHICLE)[name](made(*KINDS[kind])), FILE)
+        run_of(CHANGES[name](made(*KINDS["run"])), FILE)
 
 
 def test_solutions_without_a_variable_are_one_line(tmp_path: Path) -> None:
@@ -144,7 +135,7 @@ def test_solutions_without_a_variable_are_one_line(tmp_path: Path) -> None:
 def test_names_with_dollar_signs_are_drawn(picture: str, tmp_path: Path) -> None:
     """In Matplotlib text between dollar signs is mathematics, and an error where it is none."""
     names = ["$\\frac$", "$x^$", "<b>$"]
-    data = made(*KINDS["vehicle"]).assign_coords(body=names, wheelset=names[1:])
+    data = made(*KINDS["run"]).assign_coords(body=names, wheelset=names[1:])
     pictures_of(data)[picture](data).savefig(tmp_path / "a.png", dpi=20)
 
 
@@ -157,7 +148,7 @@ def content(data: bytes) -> Callable[[Path], object]:
 
 
 def whole(folder: Path) -> bytes:
-    write(made(WAGON, WAGON_ATTRIBUTES), folder / "whole.nc")
+    write(made(RUN, RUN_ATTRIBUTES), folder / "whole.nc")
     return (folder / "whole.nc").read_bytes()
 
 
@@ -204,12 +195,12 @@ def test_every_flipped_byte_is_found(tmp_path: Path) -> None:
 
 def test_results_of_other_programs_are_read(tmp_path: Path) -> None:
     """A part that xarray has written in place of the whole, and long texts."""
-    write(made(WAGON, WAGON_ATTRIBUTES | COMMON_ATTRIBUTES).assign_attrs(scene="é" * 40_000), tmp_path / "run.nc")
+    write(made(RUN, RUN_ATTRIBUTES).assign_attrs(scene="é" * 40_000), tmp_path / "run.nc")
     with xr.open_dataset(tmp_path / "run.nc", engine="netcdf4", decode_times=False) as data:
         part = data.isel(time=slice(0, 3)).load()
     part.to_netcdf(tmp_path / "run.nc", engine="netcdf4")
     again = read(tmp_path / "run.nc")
-    check_run(again, FILE)
+    run_of(again, FILE)
     assert again.sizes["time"] == 3
     assert again.attrs["scene"] == "é" * 40_000
 

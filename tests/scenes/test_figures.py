@@ -21,11 +21,14 @@ from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.netcdf import write
 from wheelrail.scenes.datasets.patches import BANDS, PATCH_VARIABLES
 from wheelrail.scenes.datasets.run import dataset
+from wheelrail.scenes.datasets.run_file import run_of
+from wheelrail.scenes.datasets.run_schema import MOTION, of_wagon
 from wheelrail.scenes.plots import runs as figures
 from wheelrail.scenes.plots.patch_cells import PatchCells
 from wheelrail.scenes.plots.patches import draw_patches, patches_figure
+from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, WagonOutputs, wagon_dynamics
+from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, wagon_dynamics
 from wheelrail.vehicle.simulation.contact_cost import ContactCost
 from wheelrail.vehicle.simulation.history import History, RunCost
 from wheelrail.vehicle.simulation.row import PatchPair, Row
@@ -73,33 +76,80 @@ def history(rows: int = N, curvature: float = 1 / 1200) -> History:
 def test_dataset_contains_the_history() -> None:
     run = history()
     data = dataset(run, scene='kind = "run"')
-    assert data["vertical_force"].sel(side="right").values == pytest.approx(run.force[:, 0, 1, 2])
-    assert data["roll_moment"].sel(side="left").values == pytest.approx(run.moment[:, 0, 0, 0])
-    assert data["car_body_y"].values == pytest.approx(run.state[:, 0])
-    assert data["bogie_roll_rate"].values == pytest.approx(run.rate("bogie")[:, 3])
-    assert data["wheelset_pitch"].values == pytest.approx(run.state[:, 9] + run.distance / 0.46)
-    assert data["wheelset_pitch_rate"].values == pytest.approx(run.state[:, 19] + 45.0 / 0.46)
+    assert data["body"].values.tolist() == ["car_body", "bogie", "wheelset"]
+    assert data["vertical_force"].sel(wheelset="wheelset", side="right").values == pytest.approx(run.force[:, 0, 1, 2])
+    assert data["roll_moment"].sel(wheelset="wheelset", side="left").values == pytest.approx(run.moment[:, 0, 0, 0])
+    assert data["body_y"].sel(body="car_body").values == pytest.approx(run.state[:, 0])
+    assert data["body_roll_rate"].sel(body="bogie").values == pytest.approx(run.rate("bogie")[:, 3])
+    assert data["body_pitch"].sel(body="wheelset").values == pytest.approx(run.state[:, 9])
+    assert data["body_pitch_rate"].sel(body="wheelset").values == pytest.approx(run.state[:, 19])
+    assert not data[["body_x", "body_yaw"]].to_array().any()  # held
     assert data["distance"].values == pytest.approx(45.0 * run.time)
-    wrenches = np.concatenate([run.force, run.moment], axis=3).sum(axis=2)[:, 0]
-    for name, values in WagonOutputs.of(run.dynamics, run.time, run.state, wrenches)._asdict().items():
-        np.testing.assert_array_equal(data[name], values)
+    stop = data["element_force"].sel(element="bumpstop", axis="y")
+    np.testing.assert_array_equal(of_wagon(data, "bumpstop_force"), stop)
+    wrench = np.concatenate([run.force, run.moment], axis=3).sum(axis=2)
+    yaw = [run.dynamics.yaw_reactions(row.time, row.state, own) for row, own in zip(run.rows, wrench, strict=True)]
+    np.testing.assert_array_equal(data["yaw_reaction"], yaw)
     assert data["newton_iterations"].sel(side="right") == 700
     assert data.attrs["scene"] == 'kind = "run"'
     assert "wheelrail" in data.attrs["versions"]
-    assert {*COORDINATES, *PATCH_VARIABLES, *BANDS, "curvature", "lift"} <= set(data.data_vars)
+    assert {*MOTION, *PATCH_VARIABLES, *BANDS, "curvature", "lift"} <= set(data.data_vars)
+
+
+@pytest.fixture(scope="module")
+def first_form() -> xarray.Dataset:
+    """Results as earlier versions wrote them, which had no dimensions of bodies, wheelsets and elements."""
+    data = dataset(history(), scene=(Path(__file__).parents[2] / "scenes" / "curve.toml").read_text())
+    turned = {"": data["distance"] / 0.46, "_rate": data["speed"] / 0.46}
+    named = {}
+    for name in COORDINATES:
+        body, _, coordinate = name.rpartition("_")
+        for rate, turn in turned.items():
+            own = data[f"body_{coordinate}{rate}"].sel(body=body, drop=True)
+            named[name + rate] = own + turn if name == "wheelset_pitch" else own
+    for name in ("deflection", "force"):
+        named[f"bumpstop_{name}"] = data[f"element_{name}"].sel(element="bumpstop", axis="y", drop=True)
+    later = ("guiding_force", "derailment_quotient", "track_shifting_force", "axle_load", "wheel_unloading")
+    data = data.squeeze("wheelset", drop=True).drop_dims(["body", "element"]).drop_vars(["axis", *later]).assign(named)
+    for name in ("form", "vehicle", "wheel_y", "mean_wheel_load"):
+        del data.attrs[name]
+    return data
+
+
+def test_results_of_earlier_versions_are_read(first_form: xarray.Dataset) -> None:
+    data = run_of(first_form, Path("run.nc"))
+    expected = dataset(history(), scene=first_form.attrs["scene"])
+    for name, values in expected.data_vars.items():
+        if values.dims[:2] != ("time", "element"):
+            assert data[name].dims == values.dims
+            np.testing.assert_allclose(data[name], values, rtol=1e-12, atol=1e-9, err_msg=str(name))
+            assert data[name].attrs["units"] == values.attrs["units"]
+    np.testing.assert_array_equal(of_wagon(data, "bumpstop_force"), of_wagon(expected, "bumpstop_force"))
+    assert data.attrs["mean_wheel_load"] == expected.attrs["mean_wheel_load"]
+    for figure in figures.pictures_of(data).values():
+        figure(data)
+    assert run_of(data, Path("run.nc")) is data
+
+
+def test_results_of_other_versions_that_lack_something_are_refused(first_form: xarray.Dataset) -> None:
+    for name in ("bogie_roll_rate", "yaw_reaction", "bumpstop_force", "speed", "lateral_force"):
+        with pytest.raises(SceneError, match=rf"run\.nc: {name}: missing"):
+            run_of(first_form.drop_vars(name), Path("run.nc"))
+    with pytest.raises(SceneError, match=r"run\.nc: attribute form: 3; must be up to 2"):
+        run_of(dataset(history()).assign_attrs(form=3), Path("run.nc"))
 
 
 def test_patches_are_padded_with_nan() -> None:
     run = history()
     data = dataset(run)
     counts = [[len(left), len(right)] for ((left, right),) in (row.patches for row in run.rows)]
-    assert data["patches"].values.tolist() == counts
-    assert data["patch_area"].notnull().sum("patch").values.tolist() == counts
+    assert data["patches"].values[:, 0].tolist() == counts
+    assert data["patch_area"].notnull().sum("patch").values[:, 0].tolist() == counts
     assert data.sizes["patch"] == 2
-    last = data.isel(time=-1).sel(side="right")
+    last = data.isel(time=-1, wheelset=0).sel(side="right")
     assert last["wheel_band"].values == pytest.approx(np.array([[-8e-3, 0.0], [-36e-3, -28e-3]]), abs=1e-12)
     assert last["patch_lateral_force"].values == pytest.approx(-0.05 * last["patch_normal_force"].values)
-    assert not data["in_contact"].isel(time=-1).sel(side="left")
+    assert not data["in_contact"].isel(time=-1).sel(side="left").any()
 
 
 def test_every_variable_has_a_unit_and_a_meaning() -> None:
@@ -138,7 +188,7 @@ def test_failed_write_keeps_the_previous_file(tmp_path: Path, monkeypatch: pytes
 
 def test_figures_are_written(tmp_path: Path) -> None:
     files = list(figures.draw_figures(dataset(history()), tmp_path))
-    assert [file.stem for file in files] == list(figures.PICTURES)
+    assert [file.stem for file in files] == list(figures.PAPER)
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
 
 
@@ -146,9 +196,9 @@ def test_no_figures_for_one_sample(tmp_path: Path) -> None:
     assert list(figures.draw_figures(dataset(history(1)), tmp_path)) == []
 
 
-@pytest.mark.parametrize("name", list(figures.PICTURES))
+@pytest.mark.parametrize("name", list(figures.PAPER))
 def test_axes_name_quantity_and_unit(name: str) -> None:
-    figure = figures.PICTURES[name](dataset(history()))
+    figure = figures.PAPER[name](dataset(history()))
     panels = [ax for ax in figure.axes if ax.get_title(loc="left") or ax.get_title()]
     assert panels
     for ax in panels:
@@ -170,7 +220,7 @@ def test_force_curves_are_those_of_the_data() -> None:
     curves = {str(line.get_label()): line for line in ax.lines}
     assert set(curves) == {"left (inner)", "right (outer)"}
     assert np.asarray(curves["right (outer)"].get_ydata()) == pytest.approx(
-        1e-3 * data["vertical_force"].sel(side="right").values
+        1e-3 * data["vertical_force"].sel(wheelset="wheelset", side="right").values
     )
 
 
@@ -186,7 +236,7 @@ def test_round_off_errors_are_a_straight_line() -> None:
 
 def test_strips_cover_every_patch_once() -> None:
     data = dataset(history())
-    right = data.sel(side="right")
+    right = data.sel(wheelset="wheelset", side="right")
     distance = data["distance"].values
     shapes, values = figures._strips(distance, right["rail_band"], right["patch_max_pressure"])
     assert len(shapes) == len(values) == int(right["patches"].sum())

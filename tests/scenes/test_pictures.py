@@ -23,9 +23,9 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.models.builders import hertz_pair
 from wheelrail.contact.models.discretisation import Discretisation
+from wheelrail.scenes.builders.vehicle import vehicle_on
 from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.run import dataset as run_dataset
-from wheelrail.scenes.datasets.run_derived import wear
 from wheelrail.scenes.plots import comparison, runs
 from wheelrail.scenes.plots.errors import convergence, work_precision
 from wheelrail.scenes.plots.patch_cells import PatchCells
@@ -169,10 +169,9 @@ def two_patches() -> Dataset:
 
 def all_figures(data: Dataset) -> dict[str, Figure]:
     run = run_dataset(run_history())
-    run = run.assign(wear(run, 300e6))
     return {
         "patches": patches_figure(data),
-        "track": track_figure(load_run("irregular")),
+        "track": track_figure(scene := load_run("irregular"), vehicle_on(scene)),
         **{name: draw(run) for name, draw in runs.PICTURES.items()},
         **{name: draw((run, run), ("condensed", "standard")) for name, draw in comparison.PICTURES.items()},
         "pressure": pressure_map(data).figure,
@@ -227,7 +226,7 @@ def test_cant_and_deficiency_have_one_sign_in_table_and_picture() -> None:
     cells = dict(zip(text.head, zip(*text.rows, strict=True), strict=True))
     (ax,) = (
         ax
-        for ax in track_figure(scene).axes
+        for ax in track_figure(scene, vehicle_on(scene)).axes
         if "cant deficiency" in (ax.get_title() + ax.get_title(loc="left")).lower()
     )
     drawn = {str(line.get_label()): line for line in ax.lines}

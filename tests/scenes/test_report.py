@@ -23,7 +23,6 @@ from xarray import Dataset
 from wheelrail.cli.main import app
 from wheelrail.scenes.datasets.netcdf import machine, read, write
 from wheelrail.scenes.datasets.run import dataset
-from wheelrail.scenes.datasets.run_derived import wear
 from wheelrail.scenes.html_report.extremes import extreme, wheel_table
 from wheelrail.scenes.html_report.provenance import seconds
 from wheelrail.scenes.html_report.write import write_report
@@ -35,7 +34,7 @@ from wheelrail.scenes.studies.run import run_study
 from wheelrail.scenes.studies.schema import check_study
 from wheelrail.scenes.studies.solve import CaseResult, solve
 from wheelrail.scenes.views import plotter as off_screen
-from wheelrail.scenes.views.run_snapshot import largest_force_sample, sample_view
+from wheelrail.scenes.views.run_snapshot import largest_force, sample_view
 from wheelrail.scenes.views.view import bodies_of_run
 
 SCENE = (Path(__file__).parents[2] / "scenes" / "curve.toml").read_text(encoding="utf-8")
@@ -45,8 +44,7 @@ ALLOWED = "must be the folder of a run (run.nc, by wheelrail run), of a study (s
 def run_data(scale: float = 1e-3) -> Dataset:
     """Synthetic run of a shipped scene, with motions of some mm."""
     one = history()
-    data = dataset(replace(one, rows=[replace(row, state=scale * row.state) for row in one.rows]), scene=SCENE)
-    return data.assign(wear(data, 3e8))
+    return dataset(replace(one, rows=[replace(row, state=scale * row.state) for row in one.rows]), scene=SCENE)
 
 
 class Reader(HTMLParser):
@@ -159,7 +157,7 @@ def test_run_page_in_a_browser(run_page: str, tmp_path: Path) -> None:
     found, errors, picture = opened(run_page, tmp_path)
     assert errors == []
     assert found["complaints"] == []
-    assert len(found["images"]) == 8  # seven pictures and the view's still
+    assert len(found["images"]) == 9  # eight pictures and the view's still
     assert all(width > 300 and len(alt) > 20 for alt, width in found["images"])
     assert len(found["canvases"]) == 1
     assert min(found["canvases"][0]) > 200
@@ -214,7 +212,7 @@ def test_page_is_self_contained_and_accessible(run_page: str) -> None:
     assert not re.search(r"<(?:script|link|img|iframe|a)\b[^>]*\b(?:src|href)\s*=\s*[\"']?(?:https?:)?//", run_page)
     assert all(one["src"].startswith("data:image/") and one["alt"] for one in page.of("img"))
     assert all(one.get("scope") in ("col", "row") for one in page.of("th"))
-    assert len(page.of("caption")) == len(page.of("table")) == 4
+    assert len(page.of("caption")) == len(page.of("table")) == 6
     levels = [name for name, _ in page.tags if re.fullmatch(r"h\d", name)]
     assert levels == ["h1", *["h2"] * (len(levels) - 1)]
     assert page.of("html") == [{"lang": "en"}]
@@ -224,12 +222,12 @@ def test_page_is_self_contained_and_accessible(run_page: str) -> None:
 
 
 def test_extremes_are_those_of_the_data() -> None:
-    data = run_data()
-    for row in wheel_table(data).rows[:4]:
+    data = run_data().sel(wheelset="wheelset")
+    for row in wheel_table(data, "").rows[:4]:
         assert len(row) == 5
     one = data.sel(side="right")
     quotient = np.abs(one["lateral_force"].values / one["vertical_force"].values)
-    cells = dict(zip([row[0] for row in wheel_table(data).rows], wheel_table(data).rows, strict=True))
+    cells = dict(zip([row[0] for row in wheel_table(data, "").rows], wheel_table(data, "").rows, strict=True))
     assert float(cells["|Y| / Q, maximum [1]"][3]) == pytest.approx(quotient.max(), rel=1e-3)
     assert float(cells["samples without contact [%]"][1]) == pytest.approx(100 / 40)
     unknown = data.assign(lateral_force=np.nan * data["lateral_force"])
@@ -240,12 +238,12 @@ def test_extremes_are_those_of_the_data() -> None:
 
 def test_view_shows_the_largest_lateral_force() -> None:
     data = run_data()
-    assert largest_force_sample(data) == data.sizes["time"] - 1
+    assert largest_force(data) == (data.sizes["time"] - 1, "wheelset")
     force = data["lateral_force"].copy()
-    force[7, 0] = 9e5
-    assert largest_force_sample(data.assign(lateral_force=force)) == 7
+    force[7, 0, 0] = 9e5
+    assert largest_force(data.assign(lateral_force=force)) == (7, "wheelset")
     with pytest.raises(IndexError, match="index = 40: the run has 40 samples"):
-        sample_view(data, 40, bodies_of_run(data, Path("run.nc")))
+        sample_view(data, 40, bodies_of_run(data, Path("run.nc")), "wheelset")
 
 
 def test_without_a_view(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

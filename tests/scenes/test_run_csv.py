@@ -21,9 +21,9 @@ from wheelrail.scenes.datasets.run_csv import write_csv
 def data() -> Dataset:
     """Seven samples of the wagon, one of them without a lateral force, with an elastic axle."""
     made = dataset(history(7))
-    made["lateral_force"][3, 0] = np.nan
-    hubs = np.arange(7 * 2 * 6.0).reshape(7, 2, 6) / 7.0
-    return made.assign(hub_motion=(("time", "side", "hub_component"), hubs, {"units": "m and rad"}))
+    made["lateral_force"][3, 0, 0] = np.nan
+    hubs = np.arange(7 * 2 * 6.0).reshape(7, 1, 2, 6) / 7.0
+    return made.assign(hub_motion=(("time", "wheelset", "side", "hub_component"), hubs, {"units": "m and rad"}))
 
 
 def test_every_variable_over_time_is_a_column_with_its_unit(data: Dataset, tmp_path: Path) -> None:
@@ -37,16 +37,17 @@ def test_every_variable_over_time_is_a_column_with_its_unit(data: Dataset, tmp_p
     over_time = [values for values in data.variables.values() if values.dims[:1] == ("time",)]
     assert len(table.columns) == sum(values[0].size for values in over_time)
     for side in ("left", "right"):
-        force = data["lateral_force"].sel(side=side).values
-        np.testing.assert_array_equal(table[f"lateral_force {side} [N]"], force)  # every bit, NaN where it is
-        area = data["patch_area"].sel(side=side).values
+        own = data.sel(wheelset="wheelset", side=side)
+        force = own["lateral_force"].values
+        np.testing.assert_array_equal(table[f"lateral_force wheelset {side} [N]"], force)  # every bit, NaN where it is
+        area = own["patch_area"].values
         for k in range(data.sizes["patch"]):
-            np.testing.assert_array_equal(table[f"patch_area {side} patch {k + 1} [m2]"], area[:, k])
-        motion = data["hub_motion"].sel(side=side).values
+            np.testing.assert_array_equal(table[f"patch_area wheelset {side} patch {k + 1} [m2]"], area[:, k])
+        motion = own["hub_motion"].values
         for head, column in (("x [m]", 0), ("roll [rad]", 3), ("yaw [rad]", 5)):
-            np.testing.assert_array_equal(table[f"hub_motion {side} {head}"], motion[:, column])
-    assert set(table["in_contact left [1]"]) <= {0, 1}
-    np.testing.assert_array_equal(table["wheelset_y [m]"], data["wheelset_y"])
+            np.testing.assert_array_equal(table[f"hub_motion wheelset {side} {head}"], motion[:, column])
+    assert set(table["in_contact wheelset left [1]"]) <= {0, 1}
+    np.testing.assert_array_equal(table["body_y car_body [m]"], data["body_y"].sel(body="car_body"))
 
 
 def test_files_are_plain_tables_of_numbers(data: Dataset, tmp_path: Path) -> None:
@@ -57,7 +58,7 @@ def test_files_are_plain_tables_of_numbers(data: Dataset, tmp_path: Path) -> Non
     assert all(len(row.split(",")) == count for row in rows)
     values = np.loadtxt(tmp_path / "run.csv", delimiter=",", skiprows=1)
     assert values.shape == (7, count)
-    assert rows[3].split(",")[head.split(",").index("lateral_force left [N]")] == "NaN"
+    assert rows[3].split(",")[head.split(",").index("lateral_force wheelset left [N]")] == "NaN"
 
 
 @pytest.mark.parametrize(

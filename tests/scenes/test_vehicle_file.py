@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from wheelrail.cli.main import app
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
-from wheelrail.scenes.runs.vehicle_steady import critical_speed_results
+from wheelrail.scenes.runs.steady import critical_speed_results
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.multibody.vehicle import SuspensionElement
 from wheelrail.vehicle.steady.critical_speed import CriticalSpeed

@@ -23,9 +23,9 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER
-from wheelrail.scenes.html_report.vehicle_page import body_table
+from wheelrail.scenes.html_report.extremes import body_table
 from wheelrail.scenes.html_report.write import write_report
-from wheelrail.scenes.plots.vehicle_runs import PICTURES
+from wheelrail.scenes.plots.runs import PICTURES
 from wheelrail.scenes.runs.hunting import _bifurcation, fold_line, hunting_table
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.simulation.limit_cycle import LimitCycle
@@ -133,7 +133,7 @@ def test_report(whole: Path, tmp_path: Path) -> None:
     assert "Y/Q, 2 m mean, left" in page
     for text in ("wheelset_4", "Plan view of the wheelsets", "unloading of a wheel", "Manchester benchmark vehicle 1"):
         assert text in page
-    assert page.count("data:image/") == 9
+    assert page.count("data:image/") == 10
     table = body_table(results(whole))
     assert {row[0]: row[table.head.index("pitch [mrad]")] for row in table.rows if row[0].startswith("wheelset")} == {
         f"wheelset_{i}": "–"
@@ -162,7 +162,7 @@ class CubicSpring(LinearCreep):
 
 def hunting(*options: str, scene: Path = HUNTING, vehicle: Path = MANCHESTER) -> Any:
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.vehicle_steady.wheelset_contact", lambda scene: CubicSpring())
+        patched.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene: (CubicSpring(), None))
         return CliRunner().invoke(app, ["hunting", str(scene), "--vehicle", str(vehicle), *options])
 
 
@@ -253,7 +253,7 @@ def test_a_run_of_a_vehicle_from_python(tmp_path: Path, monkeypatch: pytest.Monk
     assert re.search(r"wheelsets y -?\d+\.\d\d to ", repr(done))
     assert "Q, positive upwards [kN]" in repr(done)
     assert set(done.plot()) == set(PICTURES)
-    for draw in (done.plot.displacements, done.view):
-        with pytest.raises(SceneError, match="plane wagon"):
-            draw()
+    assert len(done.plot.bands("rail")) == 8
+    with pytest.raises(SceneError, match=r"wheelset = 'front': must be wheelset_1, "):
+        done.view(wheelset="front")
     assert wr.open(done.to_netcdf(tmp_path / "run.nc")).status == "completed"

@@ -26,8 +26,8 @@ from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.contacts.side_solution import SideSolution
 from wheelrail.scenes.html_report.elements import PageNote, PageView
-from wheelrail.scenes.html_report.views import vehicle_view
-from wheelrail.scenes.views.animation import Animation, RunBodies, animate_run, magnified, write_frames
+from wheelrail.scenes.html_report.views import run_view
+from wheelrail.scenes.views.animation import Animation, RunBodies, magnified, write_frames
 from wheelrail.scenes.views.body_meshes import (
     DISPLACEMENT,
     MISES,
@@ -43,7 +43,7 @@ from wheelrail.scenes.views.html import save_view, view_html
 from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
 from wheelrail.scenes.views.vehicle_animation import VehicleAnimation
 from wheelrail.scenes.views.vehicle_poses import DrawnVehicle, equal_box
-from wheelrail.scenes.views.view import largest_pressure
+from wheelrail.scenes.views.view import animate_data, largest_pressure
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body
 from wheelrail.vehicle.multibody.vehicle import Vehicle, VehicleBody
 from wheelrail.vehicle.track.track import Track
@@ -149,8 +149,8 @@ def test_magnified_wheelset_stays_on_its_rails() -> None:
     """Rails keep their place relative to the wheelset, and the wheelset has the magnified displacement."""
     y, z, roll, radius = 6e-3, 0.4598, 1e-3, 0.46
     at_rail = np.array([0.0, 0.75, 0.0, 1.0])
-    assert magnified(y, z, roll, 1.0, radius) == pytest.approx(np.eye(4), abs=1e-15)
-    moved = magnified(y, z, roll, 20.0, radius)
+    assert magnified(y, z, roll, 2e-3, 1.0, radius) == pytest.approx(np.eye(4), abs=1e-15)
+    moved = magnified(y, z, roll, 0.0, 20.0, radius)
     assert moved @ [0.0, y, z, 1.0] == pytest.approx([0.0, 20 * y, radius - 20 * 2e-4, 1.0])
     before, after = at_rail[:3] - [0.0, y, z], (moved @ at_rail - moved @ [0.0, y, z, 1.0])[:3]
     turn = np.array([[1, 0, 0], [0, np.cos(19 * roll), -np.sin(19 * roll)], [0, np.sin(19 * roll), np.cos(19 * roll)]])
@@ -158,8 +158,8 @@ def test_magnified_wheelset_stays_on_its_rails() -> None:
 
 
 def test_rails_of_an_animation_follow_the_magnified_wheelset() -> None:
-    animation = Animation(run_data(), RunBodies(WHEEL, RAIL, MOUNTING), scale=20.0)
-    animation.show(2)
+    animation = Animation(run_data(), RunBodies(WHEEL, RAIL, MOUNTING), "wheelset", scale=20.0)
+    animation.show(1.0)
     for rail in animation._rails:
         assert rail.user_matrix[:3, 3] == pytest.approx([0.0, 19 * 6e-3, 0.0])
     animation.view.close()
@@ -180,7 +180,7 @@ def test_sides_have_one_scale_of_pressure() -> None:
 
 def test_animation_draws_each_side_with_its_own_bodies() -> None:
     right = RunBodies(WHEEL, RAIL, Mounting(0.75, MOUNTING.rail_y + 5e-3, 0.46), 0.44)
-    animation = Animation(run_data(), RunBodies(WHEEL, RAIL, MOUNTING, right=right), scale=1.0)
+    animation = Animation(run_data(), RunBodies(WHEEL, RAIL, MOUNTING, right=right), "wheelset", scale=1.0)
     bounds = {side: animation._wheels[side].mapper.dataset.bounds for side in ("left", "right")}
     assert bounds["right"][4] - bounds["left"][4] == pytest.approx(0.02, abs=1e-4)
     rails = [rail.mapper.dataset.bounds for rail in animation._rails]
@@ -240,7 +240,7 @@ def test_whole_bodies() -> None:
 
 def run_data() -> Dataset:
     """Three samples of a wheelset that moves to the left."""
-    by_side, by_patch = ("time", "side"), ("time", "side", "patch")
+    by_wheel, by_patch = ("time", "wheelset", "side"), ("time", "wheelset", "side", "patch")
     y = np.array([0.0, 3e-3, 6e-3])
     patches = {
         "patch_normal_force": 6e4,
@@ -252,17 +252,19 @@ def run_data() -> Dataset:
     }
     return Dataset(
         {
-            "wheelset_y": ("time", y),
-            "wheelset_z": ("time", 0 * y),
-            "wheelset_roll": ("time", 0 * y),
-            "wheelset_pitch": ("time", 0 * y),
+            "body_y": (("time", "body"), y[:, None]),
+            **{f"body_{name}": (("time", "body"), 0 * y[:, None]) for name in ("z", "roll", "pitch", "yaw")},
             "speed": ("time", 0 * y + 20),
             "curvature": ("time", 0 * y),
-            "vertical_force": (by_side, np.full((3, 2), 6e4)),
-            "lateral_force": (by_side, np.outer(y, [1e6, 2e6])),
-            **{name: (by_patch, np.full((3, 2, 1), value)) for name, value in patches.items()},
+            "vertical_force": (by_wheel, np.full((3, 1, 2), 6e4)),
+            "lateral_force": (by_wheel, np.outer(y, [1e6, 2e6])[:, None]),
+            **{name: (by_patch, np.full((3, 1, 2, 1), value)) for name, value in patches.items()},
         },
-        coords={"time": [0.0, 0.5, 1.0], "side": ["left", "right"], "distance": ("time", [0.0, 10.0, 20.0])},
+        coords={
+            **{"time": [0.0, 0.5, 1.0], "side": ["left", "right"], "distance": ("time", [0.0, 10.0, 20.0])},
+            **{"body": ["wheelset"], "wheelset": ["wheelset"]},
+        },
+        attrs={"nominal_radius": 0.46, "vehicle": "", "scene": (MANCHESTER.parent / "curve.toml").read_text()},
     )
 
 
@@ -271,20 +273,23 @@ def test_animation_of_a_run(tmp_path: Path) -> None:
     import imageio.v3 as imageio
 
     told: list[tuple[int, int]] = []
-    options = {"bodies": RunBodies(WHEEL, RAIL, MOUNTING), "frames": 3, "fps": 5.0}
     file = tmp_path / "run.gif"
-    animate_run(run_data(), file, progress=lambda *done: told.append(done), **options)  # type: ignore[arg-type]
+
+    def animate(out: Path, frames: int = 3) -> None:
+        animate_data(run_data(), Path("run.nc"), out, lambda *done: told.append(done), frames=frames, fps=5.0)
+
+    animate(file)
     assert told == [(1, 3), (2, 3), (3, 3)]
     frames = imageio.imread(file)
     assert len(frames) == 3
     moving = [np.abs(a.astype(int) - b).max(axis=-1) > 60 for a, b in pairwise(frames)]
     assert all(0.001 < change.mean() < 0.5 for change in moving)
-    animate_run(run_data(), tmp_path / "run.mp4", **{**options, "frames": 1})  # type: ignore[arg-type]
+    animate(tmp_path / "run.mp4", 1)
     assert (tmp_path / "run.mp4").stat().st_size > 5000
     with pytest.raises(ValueError, match="must end in"):
-        animate_run(run_data(), tmp_path / "run.png", **options)  # type: ignore[arg-type]
+        animate(tmp_path / "run.png")
     with pytest.raises(ValueError, match="must be positive"):
-        animate_run(run_data(), file, **{**options, "frames": 0})  # type: ignore[arg-type]
+        animate(file, 0)
 
 
 def vehicle_data(vehicle: Vehicle) -> Dataset:
@@ -325,12 +330,12 @@ def test_view_of_a_vehicle_in_a_report() -> None:
     scene = (MANCHESTER.parent / "vehicle.toml").read_text()
     data["guiding_force"] = (("time", "wheelset", "side"), force)
     data = data.assign_attrs(scene=scene, vehicle=MANCHESTER.read_text())
-    shown = vehicle_view(data, Path("run.nc"))
+    shown = run_view(data, Path("run.nc"))
     assert isinstance(shown, PageView)
     assert "Largest guiding forces, at 20.0 m" in shown.caption
     assert shown.still.startswith("data:image/png;base64,")
     assert "</html>" in shown.page
-    missing = vehicle_view(data.assign_attrs(scene=scene.replace('"S1002"', '"worn.prw"')), Path("run.nc"))
+    missing = run_view(data.assign_attrs(scene=scene.replace('"S1002"', '"worn.prw"')), Path("run.nc"))
     assert isinstance(missing, PageNote)
     assert missing.text.startswith("No 3D view: ")
 

@@ -146,10 +146,10 @@ def test_rows_between_steps_and_results() -> None:
         expected = np.interp(rows.time, reference.time, reference.force[:, 0, side, 2])
         np.testing.assert_allclose(rows.force[:, 0, side, 2], expected, atol=300.0)
     data = dataset(rows)
-    assert data["sleeper_motion"].shape == (len(rows.time), 2, 2)
-    left, right = data["sleeper_motion"].values[0]
+    assert data["sleeper_motion"].shape == (len(rows.time), 1, 2, 2)
+    left, right = data["sleeper_motion"].values[0, 0]
     np.testing.assert_allclose(right * [-1.0, 1.0], left, atol=1e-8)
-    assert data["rail_motion"].shape == (len(rows.time), 2, 3)
+    assert data["rail_motion"].shape == (len(rows.time), 1, 2, 3)
 
 
 def test_scenes_of_runs_take_ballast() -> None:

@@ -19,7 +19,7 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.plane_wagon import WagonOutputs, wagon_dynamics
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
@@ -66,10 +66,11 @@ def test_loads_in_the_full_curve() -> None:
     assert left[2] == pytest.approx(37.4e3, rel=0.03)
     assert left[1] + right[1] == pytest.approx(14.39e3, rel=1e-3)
     position = found.state[:9].reshape(3, 3)
-    time, state, wrench = np.array([found.time]), found.state[None], wrench_of(found.contacts)[None]
-    outputs = WagonOutputs.of(found.dynamics, time, state, wrench)
-    assert outputs.secondary_deflection.item() == pytest.approx(-0.046, rel=0.04)
-    assert outputs.bumpstop_force.item() == pytest.approx(3.0e3, rel=0.15)
+    at = [found.dynamics.speed_profile(found.time)]
+    deflection, force = (values[0, :, 1] for values in found.dynamics.bodies.element_states(at, found.state[None]))
+    elements = list(found.dynamics.vehicle.elements)
+    assert deflection[elements.index("left_secondary_spring")] == pytest.approx(-0.046, rel=0.04)
+    assert force[elements.index("bumpstop")] == pytest.approx(3.0e3, rel=0.15)
     assert position[0, 2] == pytest.approx(0.020, rel=0.06)
     assert found.state[6] < -0.004  # towards the outer rail
 
@@ -146,7 +147,7 @@ def test_right_hand_curve_is_the_mirror_image(seed: int) -> None:
         left, right = dynamics()(s / V, state), dynamics(other)(s / V, MIRROR * state)
         np.testing.assert_allclose(right.rate, MIRROR * left.rate, rtol=1e-10, atol=1e-10)
         yaw = [
-            WagonOutputs.of(d, np.array([s / V]), x[None], wrench_of(at.contacts)[None]).yaw_reaction.item()
+            d.yaw_reactions(s / V, x, wrench_of(at.contacts)[None]).item()
             for d, x, at in ((dynamics(), state, left), (dynamics(other), MIRROR * state, right))
         ]
         assert yaw[1] == pytest.approx(-yaw[0], rel=1e-10)

@@ -177,8 +177,8 @@ def test_a_second_process_changes_nothing() -> None:
 
 def test_results_have_the_motions() -> None:
     data = dataset(run(3e-3))
-    hubs, rails = data["hub_motion"].values, data["rail_motion"].values
-    assert hubs.shape[1:] == (2, 6)
+    assert data["hub_motion"].shape[1:] == (1, 2, 6)
+    hubs, rails = (data[name].squeeze("wheelset").values for name in ("hub_motion", "rail_motion"))
     assert 1e3 * hubs[0, 0, 3] == pytest.approx(-1.2, abs=0.05)  # the left wheel leans inwards at its top
     np.testing.assert_allclose(hubs[0, 1] * [1, -1, 1, -1, 1, -1], hubs[0, 0], atol=1e-7)
     np.testing.assert_allclose(rails[0, 1] * [-1, 1, -1], rails[0, 0], atol=1e-7)

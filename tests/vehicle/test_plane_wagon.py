@@ -16,7 +16,7 @@ from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.integration.rosenbrock import ROS3PL, ROS34PW2
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
-from wheelrail.vehicle.multibody.plane_wagon import WagonOutputs, wagon_dynamics
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.steady.modes import modes
 from wheelrail.vehicle.track.alignment import Segment
@@ -54,7 +54,7 @@ def test_accelerations(name: str) -> None:
         found, _ = dynamics.accelerations(time, state, wrench[None])
         found[c:] = dynamics.coordinates.series @ found[c:]
         np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-13 * np.abs(expected).max())
-        (yaw,) = WagonOutputs.of(dynamics, np.array([time]), state[None], wrench[None]).yaw_reaction
+        (yaw,) = dynamics.yaw_reactions(time, state, wrench[None])
         assert yaw == pytest.approx(sample["yaw_reaction"], rel=1e-12)
 
 

@@ -305,6 +305,15 @@ class VehicleDynamics:
         travel = self.speed_profile(time)
         return self.bodies.accelerations(travel, state, wrenches, self.bodies.sections(travel, state))
 
+    def yaw_reactions(self, time: float, state: Array, wrenches: Array) -> Array:
+        """Moments (w,) N m about the normal of the track of the constraints that hold the yaw of the wheelsets, zero
+        where it is free; parameters as for `accelerations`.
+        """
+        own = self.coordinates.wheelset_bodies
+        reactions = self.accelerations(time, state, wrenches).reactions[own, YAW] * self.coordinates.held[own, YAW]
+        # About the normal of the track the constraint has 1 / cos(roll) times its moment about the wheelset's own axis.
+        return np.asarray(reactions / np.cos(self.coordinates.split(state).position[own, ROLL]))
+
 
 def _require_finite(state: Array) -> None:
     """Raises StepFailure."""

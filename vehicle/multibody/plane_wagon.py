@@ -6,19 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.body_equations import BodyEquations
-from wheelrail.vehicle.multibody.coordinates import ROLL, YAW, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.vehicle import COORDINATES as ALL
 from wheelrail.vehicle.multibody.vehicle import RotationalSpring, SuspensionElement, Vehicle, VehicleBody
-from wheelrail.vehicle.track.section_poses import TrackSections
-from wheelrail.vehicle.track.speed_profile import SpeedProfile, TrackPosition
+from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.components import RigidBody, Suspension
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
@@ -43,53 +37,6 @@ def wagon_dynamics(
 ) -> VehicleDynamics:
     """Equations of motion of the plane wagon on a track; parameters as for `VehicleDynamics`."""
     return VehicleDynamics(plane_vehicle(wagon), track, contact, speed, structure)
-
-
-class WagonOutputs(NamedTuple):
-    """Outputs besides state and contacts at n times; lateral ones are positive to the left.
-
-    Parameters:
-        yaw_reaction: (n,) N m, constraint moment about the wheelset's vertical axis.
-        secondary_deflection: (n,) m, lateral, of the car body relative to the bogie at the secondary springs, mean of
-            both sides.
-        bumpstop_deflection: (n,) m.
-        bumpstop_force: (n,) N on the car body.
-    """
-
-    yaw_reaction: Array
-    secondary_deflection: Array
-    bumpstop_deflection: Array
-    bumpstop_force: Array
-
-    @classmethod
-    def of(cls, dynamics: VehicleDynamics, times: Array, states: Array, wrenches: Array) -> WagonOutputs:
-        """Outputs of the plane wagon.
-
-        Parameters:
-            dynamics: equations of motion, from `wagon_dynamics`.
-            times: (n,) s.
-            states: (n, 20 + m + k).
-            wrenches: (n, 6) force N and moment N m of both contacts.
-        """
-        coordinates, names = dynamics.coordinates, list(dynamics.vehicle.elements)
-        rows = zip(times.tolist(), states, wrenches, strict=True)
-        reactions = [dynamics.accelerations(*row[:2], row[2][None]).reactions[-1, YAW] for row in rows]
-        # Bodies in one section of the track: the deflections are those on straight track.
-        straight = BodyEquations(dynamics.suspension, TrackSections(Track()), dynamics.applied)
-        deflection, force = straight.element_states([TrackPosition(0.0, 0.0, 0.0)] * len(states), states)
-        left, right, stop = (names.index(n) for n in ("left_secondary_spring", "right_secondary_spring", "bumpstop"))
-        lateral, force = deflection[..., Y], force[..., Y]
-        # About the vertical of the track, the constraint has the moment cos(roll) times that about the wheelset's own.
-        about_vertical = np.array(reactions) / np.cos(states[:, coordinates.index(WHEELSET, ROLL)])
-        secondary = 0.5 * (lateral[:, left] + lateral[:, right])
-        return cls(about_vertical, secondary, lateral[:, stop], force[:, stop])
-
-
-def outward(dynamics: VehicleDynamics, series: Array) -> Array:
-    """Spring deflections (..., m) m of Maxwell elements, lateral ones positive outwards: left side, then right side."""
-    names = list(dynamics.vehicle.elements)
-    right = [j == Y and names[e].startswith("right") for e, j in dynamics.coordinates.maxwell]
-    return np.where(right, -series, series)
 
 
 def plane_vehicle(wagon: Wagon) -> Vehicle:

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.results.result import Patch
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import wheelset_wrenches
-from wheelrail.vehicle.multibody.plane_wagon import COUNT, WHEELSET, WagonOutputs, wagon_dynamics
+from wheelrail.vehicle.multibody.plane_wagon import COUNT, WHEELSET, wagon_dynamics
 from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
@@ -31,19 +30,12 @@ class SteadyCurving:
     Parameters:
         curve: curve and speed.
         equilibrium: state and contacts.
-        outputs: reaction, and deflections and forces of the suspension.
 
     Forces on the wheels in N, by side; positions of the bodies (3,): y, z m (z from the nominal height), roll rad.
     """
 
     curve: ConstantCurve
     equilibrium: Equilibrium
-    outputs: WagonOutputs
-
-    @classmethod
-    def of(cls, curve: ConstantCurve, solution: Equilibrium) -> SteadyCurving:
-        at, wrenches = np.array([solution.time]), wheelset_wrenches(solution.contacts)
-        return cls(curve, solution, WagonOutputs.of(solution.dynamics, at, solution.state[None], wrenches))
 
     @cached_property
     def forces(self) -> WheelsetForces:
@@ -54,7 +46,8 @@ class SteadyCurving:
     @property
     def yaw_reaction(self) -> float:
         """Constraint moment about the wheelset's vertical axis, N m."""
-        return self.outputs.yaw_reaction.item()
+        at = self.equilibrium
+        return at.dynamics.yaw_reactions(at.time, at.state, wheelset_wrenches(at.contacts)).item()
 
     @property
     def wheel_load(self) -> dict[Side, float]:
@@ -85,12 +78,19 @@ class SteadyCurving:
     @property
     def secondary_deflection(self) -> float:
         """Lateral deflection of the secondary springs, car body relative to bogie, mean of both sides, m."""
-        return self.outputs.secondary_deflection.item()
+        return 0.5 * sum(self._element(f"{side}_secondary_spring")[0] for side in SIDES)
 
     @property
     def bumpstop_force(self) -> float:
         """Force of the bumpstop on the car body, N."""
-        return self.outputs.bumpstop_force.item() + 0.0  # never -0
+        return self._element("bumpstop")[1] + 0.0  # never -0
+
+    def _element(self, name: str) -> tuple[float, float]:
+        """Lateral deflection m of a suspension element, and its force N on the upper body."""
+        d, state = self.equilibrium.dynamics, self.equilibrium.state
+        values = d.bodies.element_states([d.speed_profile(self.equilibrium.time)], state[None])
+        deflection, force = (value[0, list(d.vehicle.elements).index(name), Y].item() for value in values)
+        return deflection, force
 
     @property
     def car_body(self) -> Array:
@@ -131,7 +131,7 @@ def curving(
     """
     dynamics = wagon_dynamics(wagon, curve.track, contact, curve.speed, structure)
     guess = None if before is None else _scaled_guess(before, curve)
-    return SteadyCurving.of(curve, equilibrium(dynamics, guess=guess))
+    return SteadyCurving(curve, equilibrium(dynamics, guess=guess))
 
 
 def curving_over(

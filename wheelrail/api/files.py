@@ -59,7 +59,7 @@ def open(file: str | Path) -> Solution | Run | Study:
     from wheelrail.api.studies import Study
     from wheelrail.scenes.datasets.contact import check_contact
     from wheelrail.scenes.datasets.netcdf import read
-    from wheelrail.scenes.datasets.run_schema import check_run
+    from wheelrail.scenes.datasets.run_file import run_of
     from wheelrail.scenes.studies.results import KIND, check_study_data
 
     if not present(Path(file)):
@@ -72,8 +72,7 @@ def open(file: str | Path) -> Solution | Run | Study:
         check_study_data(data, Path(file))
         return Study(data)
     if "time" in data.dims and "patches" in data:
-        check_run(data, Path(file))
-        return Run(data)
+        return Run(run_of(data, Path(file)))
     raise SceneError(f"{file}: must be the results of a contact solution, a vehicle run or a study of wheelrail")
 
 

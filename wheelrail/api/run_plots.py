@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 class RunPlots:
     """Figures of one run over distance along the track, m; each method returns its axes.
 
-    The methods but the call itself draw runs of the plane wagon; they raise SceneError for a vehicle.
-
     Parameters:
         data: Dataset of the run.
 
@@ -29,21 +27,16 @@ class RunPlots:
     data: Dataset
 
     def __call__(self) -> dict[str, tuple[Axes, ...]]:
-        """Draw all figures, by name: displacements, mm, forces, kN, contact bands, mm; of a vehicle the attitude of its
-        wheelsets, forces and motion of its bodies.
+        """Draw all figures, by name: displacements, mm, forces, kN, contact bands, mm; of a vehicle file the attitude
+        of its wheelsets, forces and motion of its bodies.
         """
-        from wheelrail.scenes.plots import runs, vehicle_runs
+        from wheelrail.scenes.plots.runs import pictures_of
 
-        pictures = vehicle_runs.pictures_of(self.data) if self._of_vehicle else runs.PICTURES
         with styled():
-            return {name: panels(draw(self.data, shown(None))) for name, draw in pictures.items()}
-
-    @property
-    def _of_vehicle(self) -> bool:
-        return "wheelset" in self.data.dims
+            return {name: panels(draw(self.data, shown(None))) for name, draw in pictures_of(self.data).items()}
 
     def displacements(self, figure: Figure | None = None) -> tuple[Axes, ...]:
-        """Lateral displacement of wheelset and car body, mm.
+        """Lateral displacement of the wheelsets and of the first body, mm.
 
         Parameters:
             figure: Matplotlib figure.
@@ -53,7 +46,7 @@ class RunPlots:
         return self._drawn(displacements, figure)
 
     def lateral_forces(self, figure: Figure | None = None) -> tuple[Axes, ...]:
-        """Lateral contact force on both wheels, kN.
+        """Lateral contact force on all wheels, kN.
 
         Parameters:
             figure: Matplotlib figure.
@@ -63,7 +56,7 @@ class RunPlots:
         return self._drawn(lateral_forces, figure)
 
     def vertical_forces(self, figure: Figure | None = None) -> tuple[Axes, ...]:
-        """Vertical contact force on both wheels, kN.
+        """Vertical contact force on all wheels, kN.
 
         Parameters:
             figure: Matplotlib figure.
@@ -73,7 +66,7 @@ class RunPlots:
         return self._drawn(vertical_forces, figure)
 
     def bands(self, body: Literal["wheel", "rail"] = "wheel", figure: Figure | None = None) -> tuple[Axes, ...]:
-        """Lateral extent of the patches on both wheels or rails, mm, coloured by peak pressure, MPa.
+        """Lateral extent of the patches on all wheels or rails, mm, coloured by peak pressure, MPa.
 
         Parameters:
             body: "wheel" or "rail".
@@ -86,9 +79,5 @@ class RunPlots:
         return self._drawn(wheel_sections if body == "wheel" else rail_sections, figure)
 
     def _drawn(self, draw: Callable[..., Figure], figure: Figure | None) -> tuple[Axes, ...]:
-        from wheelrail.scenes.schema.errors import SceneError
-
-        if self._of_vehicle:
-            raise SceneError("figure of a run of the plane wagon; plot() draws the figures of a vehicle")
         with styled():
             return panels(draw(self.data, shown(figure)))

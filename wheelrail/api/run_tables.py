@@ -44,9 +44,8 @@ def html(data: Dataset) -> str:
 def _heading(data: Dataset) -> str:
     """One line: status, distance and time reached, lateral range, computing time."""
     reached, time = float(data["distance"].values[-1]), float(data["time"].values[-1])
-    of_vehicle = "wheelset" in data.dims
-    y = 1e3 * (data["body_y"].sel(body=data["wheelset"].values) if of_vehicle else data["wheelset_y"]).values
-    bodies = "wheelsets" if of_vehicle else "wheelset"
+    y = 1e3 * data["body_y"].sel(body=data["wheelset"].values).values
+    bodies = "wheelsets" if data.sizes["wheelset"] > 1 else "wheelset"
     return (
         f"Vehicle run: {data.attrs['status']} at {reached:.1f} m, {time:.2f} s; {data.sizes['time']} samples, "
         f"{bodies} y {fixed(y.min(), 2)} to {fixed(y.max(), 2)} mm; {float(data.attrs['seconds']):.1f} s computing time"

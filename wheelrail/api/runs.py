@@ -20,8 +20,7 @@ class Run(StoredDataset):
     """Results of a vehicle run.
 
     Parameters:
-        data: Dataset in SI units over time, side (left, right) and patch (padded with NaN); of a vehicle in three
-            dimensions also over body and wheelset.
+        data: Dataset in SI units over time, body, wheelset, side (left, right) and patch (padded with NaN).
     """
 
     @property
@@ -31,36 +30,45 @@ class Run(StoredDataset):
 
     @property
     def plot(self) -> RunPlots:
-        """Figures: `plot()`, and of the plane wagon `plot.displacements()`, `plot.lateral_forces()`,
-        `plot.vertical_forces()`, `plot.bands("wheel")` and `plot.bands("rail")`.
+        """Figures: `plot()`, `plot.displacements()`, `plot.lateral_forces()`, `plot.vertical_forces()`,
+        `plot.bands("wheel")` and `plot.bands("rail")`.
         """
         return RunPlots(self.data)
 
-    def view(self, distance: float | None = None, *, scale: float = 1.0, file: str | Path | None = None) -> Any:
-        """3D view of one instant: the wheelset on its rails with the contact forces, and close-ups of both contacts.
+    def view(
+        self,
+        distance: float | None = None,
+        *,
+        wheelset: str | None = None,
+        scale: float = 1.0,
+        file: str | Path | None = None,
+    ) -> Any:
+        """3D view of one instant: a wheelset on its rails with the contact forces, and close-ups of both contacts.
 
         Parameters:
             distance: along the track, m; by default that of the largest lateral force.
+            wheelset: name; by default that of the largest lateral force.
             scale: displacement magnification factor of the wheelset.
             file: image (.png) or interactive 3D view (.html) to save.
 
-        Returns a PyVista plotter, for `.show()`. Raises SceneError for missing profiles, another file ending and a
-        vehicle in three dimensions, OSError.
+        Returns a PyVista plotter, for `.show()`. Raises SceneError for missing profiles, another file ending and an
+        unknown wheelset, OSError.
         """
-        self._require_wagon("view")
         from wheelrail.scenes.schema.errors import SceneError
-        from wheelrail.scenes.views.run_snapshot import largest_force_sample, sample_view
+        from wheelrail.scenes.views.run_snapshot import largest_force, sample_view
         from wheelrail.scenes.views.view import bodies_of_run
 
         if file is not None and Path(file).suffix.lower() not in (".png", ".html"):
             raise SceneError(f"file = {str(file)!r}: must end in .png or .html")
-        at = (
-            largest_force_sample(self.data)
-            if distance is None
-            else int(np.argmin(np.abs(self.data["distance"].values - distance)))
-        )
+        names = self.data["wheelset"].values.tolist()
+        if wheelset is not None and wheelset not in names:
+            raise SceneError(f"wheelset = {wheelset!r}: must be {', '.join(names)}")
+        at, most_loaded = largest_force(self.data if wheelset is None else self.data.sel(wheelset=[wheelset]))
+        if distance is not None:
+            at = int(np.argmin(np.abs(self.data["distance"].values - distance)))
         where = f"{float(self.data['distance'][at]):.1f} m, {float(self.data['time'][at]):.2f} s"
-        plotter = sample_view(self.data, at, bodies_of_run(self.data, Path("run.nc")), title=where, scale=scale)
+        bodies = bodies_of_run(self.data, Path("run.nc"))
+        plotter = sample_view(self.data, at, bodies, most_loaded, title=where, scale=scale)
         if file is not None:
             from wheelrail.scenes.views.html import save_view
 
@@ -105,13 +113,6 @@ class Run(StoredDataset):
             animate_data(self.data, Path("run.nc"), Path(file), report_progress, frames=frames, fps=fps, scale=scale)
         return Path(file)
 
-    def _require_wagon(self, method: str) -> None:
-        """Raises SceneError for a run of a vehicle in three dimensions."""
-        from wheelrail.scenes.schema.errors import SceneError
-
-        if "wheelset" in self.data.dims:
-            raise SceneError(f"{method}: must be a run of the plane wagon; a vehicle file has no 3D view")
-
     def __repr__(self) -> str:
         from wheelrail.api.run_tables import text
 
@@ -150,7 +151,7 @@ def run(
     """
     from rich.console import Console
 
-    from wheelrail.scenes.datasets.netcdf import read
+    from wheelrail.scenes.datasets.run_file import read_run
     from wheelrail.scenes.runs.files import RESULTS
     from wheelrail.scenes.runs.run import run_scene, simulate_scene
     from wheelrail.scenes.schema.edits import changed, without
@@ -186,4 +187,4 @@ def run(
         outcome = run_scene(run_scene_data, text, Path(out), console, vehicle=vehicle_file)
     if not outcome.files:
         raise RuntimeError(f"{scene}: {outcome.status} before the first step")
-    return Run(read(Path(out) / RESULTS))
+    return Run(read_run(Path(out) / RESULTS))

@@ -122,11 +122,10 @@ def modes(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None) -
     checked = load_run(scene)
     from wheelrail.scenes.datasets.result_table import Results
     from wheelrail.scenes.runs.steady import modes_of, modes_table
-    from wheelrail.scenes.runs.vehicle_steady import vehicle_modes_of
 
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
-        modes_by_speed = modes_of(checked, speeds) if vehicle is None else vehicle_modes_of(checked, vehicle, speeds)
+        modes_by_speed = modes_of(checked, vehicle, speeds)
     print_results(Results("modes", list(map(modes_table, modes_by_speed, speeds))))
 
 
@@ -138,15 +137,15 @@ def curving(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None)
     """
     checked = load_run(scene)
     from wheelrail.scenes.datasets.result_table import Results
-    from wheelrail.scenes.runs.steady import curve_of, curving_of, curving_table
-    from wheelrail.scenes.runs.vehicle_steady import bodies_table, curve_equilibria_of, wheelsets_table
+    from wheelrail.scenes.runs.steady import bodies_table, curve_of, curving_table, equilibria_of, wheelsets_table
 
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
+        curve = curve_of(checked)
+        states = equilibria_of(checked, vehicle, speeds, curve)
         if vehicle is None:
-            tables = [curving_table(curving_of(checked, speeds))]
+            tables = [curving_table(states, curve)]
         else:
-            curve, states = curve_of(checked), curve_equilibria_of(checked, vehicle, speeds)
             tables = [table for at in states for table in (wheelsets_table(at, curve), bodies_table(at))]
     print_results(Results("curving", tables))
 
@@ -156,11 +155,11 @@ def equilibrium(scene: SceneFile, vehicle: NeededVehicleFile, speed: Speeds = No
     """Equilibrium of a vehicle in three dimensions on straight track: wheel loads, attitude of all bodies."""
     checked = load_run(scene)
     from wheelrail.scenes.datasets.result_table import Results
-    from wheelrail.scenes.runs.vehicle_steady import bodies_table, straight_equilibria_of, wheelsets_table
+    from wheelrail.scenes.runs.steady import bodies_table, equilibria_of, wheelsets_table
 
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
-        states = straight_equilibria_of(checked, vehicle, speeds)
+        states = equilibria_of(checked, vehicle, speeds)
     tables = [table for at in states for table in (wheelsets_table(at), bodies_table(at))]
     print_results(Results("equilibrium", tables))
 
@@ -184,7 +183,7 @@ def critical(
     checked = load_run(scene)
     if not lowest < highest:
         raise rejected(f"--from {lowest:g}: must be less than --to {highest:g}")
-    from wheelrail.scenes.runs.vehicle_steady import critical_speed_results, critical_speeds_of
+    from wheelrail.scenes.runs.steady import critical_speed_results, critical_speeds_of
 
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("modes over speed"):
         found = critical_speeds_of(checked, vehicle, (lowest, highest), places)

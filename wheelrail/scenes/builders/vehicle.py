@@ -16,12 +16,7 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.wagon.wagon import Wagon
 
 
-def track(scene: RunScene) -> Track:
-    """Track of the scene, with its irregularities."""
-    return scene.track.track()
-
-
-def track_before(scene: RunScene, vehicle: Vehicle) -> Track:
+def run_track(scene: RunScene, vehicle: Vehicle) -> Track:
     """Track of a scene whose irregularities begin at the front wheelset, as runs start in equilibrium.
 
     Raises SceneError where they are too short.
@@ -79,15 +74,20 @@ def _check(key: str, loads: AppliedLoads, vehicle: Vehicle) -> None:
         raise SceneError(f"{key}.{'wheelsets' if name == 'wheelset' else name}{given}: {error.allowed}") from None
 
 
-def vehicle_on(scene: RunScene, file: Path) -> Vehicle:
-    """Vehicle of a file on the wheels of a scene.
+def vehicle_on(scene: RunScene, file: Path | None = None) -> Vehicle:
+    """Vehicle on the wheels of a scene.
 
     Parameters:
-        scene: of a run; its wagon is not used.
-        file: vehicle file.
+        scene: of the run.
+        file: vehicle file; None: the plane wagon of the scene.
 
-    Raises SceneError, also for wheels of another radius than those of the scene, and for elastic axles or pads.
+    Raises SceneError, also for wheels of another radius than those of the scene, and for elastic axles or pads with a
+    vehicle file.
     """
+    if file is None:
+        from wheelrail.vehicle.multibody.plane_wagon import plane_vehicle
+
+        return plane_vehicle(wagon(scene))
     if scene.is_flexible:
         raise SceneError("wheelset.axle, track.pads: not allowed with a vehicle file, whose axles and track are rigid")
     vehicle = load_vehicle(file)

@@ -7,9 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene, checked
+from wheelrail.scenes.schema.toml import parse
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 FILES = "files"  # attribute of results: content by the name in the scene, JSON
 KEYS = ("wheel", "rail", "wagon", "file")  # keys of a scene that name files of text
@@ -59,6 +64,21 @@ def unpacked(tables: Mapping[str, Any], attributes: Mapping[str, Any], place: st
     if with_files.pop("table", None) is not None:  # a large file, which no picture needs
         with_files["model"] = "standard"
     return with_files
+
+
+def scene_of_run(data: Dataset, file: Path) -> RunScene:
+    """Scene of a run with the files stored in its results.
+
+    Parameters:
+        data: Dataset of the run.
+        file: results, for errors; of an earlier version, paths in the scene are relative to its folder.
+
+    Raises SceneError if files of the scene are missing.
+    """
+    scene = checked(unpacked(parse(data.attrs["scene"], file), data.attrs, file), file)
+    if not isinstance(scene, RunScene):
+        raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
+    return scene
 
 
 @cache

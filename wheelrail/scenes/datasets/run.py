@@ -1,4 +1,4 @@
-"""Results of a run as variables with units over time and side."""
+"""Results of a run as variables with units over time, body, wheelset and side."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ from wheelrail.contact.loading.flexible_wheelset import MIRRORED_HUB, MIRRORED_R
 from wheelrail.scenes.datasets.declared import filled
 from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.datasets.patches import patch_variables
-from wheelrail.scenes.datasets.run_schema import AXES, EDGES, TURNS, WAGON
+from wheelrail.scenes.datasets.run_derived import guiding_variables, wear
+from wheelrail.scenes.datasets.run_schema import AXES, BY_WHEEL, EDGES, FORM, RUN, TURNS
 from wheelrail.support.arrays import Array
 from wheelrail.support.version import commit, versions
-from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, WagonOutputs, outward
+from wheelrail.vehicle.multibody.coordinates import YAW
+from wheelrail.vehicle.multibody.vehicle import COORDINATES
 from wheelrail.vehicle.track.irregularity import QUANTITIES
 
 if TYPE_CHECKING:
@@ -24,35 +26,56 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.simulation.history import History, RunCost
 
 
-def dataset(history: History, *, scene: str = "") -> Dataset:
-    """Dataset over time, side (left, right), patch (padded with NaN) and edge (low, high).
+def dataset(history: History, *, scene: str = "", vehicle: str = "", shear_yield: float = 300e6) -> Dataset:
+    """Dataset over time, body, wheelset, side (left, right), element, axis, patch (padded with NaN), edge (low, high).
 
     Parameters:
         history: of the run.
         scene: its text.
+        vehicle: text of the vehicle file; empty for the plane wagon of the scene.
+        shear_yield: yield stress in shear, Pa, for the shakedown map.
     """
     from xarray import Dataset
 
+    own, (deflections, forces) = history.dynamics.vehicle, history.suspension()
+    wheels = [patches for row in history.rows for pair in row.patches for patches in pair]
     values = {
         **_motion(history),
-        **wheel_values(history.force[:, 0], history.moment[:, 0], history.approach[:, 0]),
-        "in_contact": np.array([row.contact_status[0] for row in history.rows]) == "converged",
-        **cost_values(history.cost),
-        **run_coordinates(history),
+        **_structure_motion(history),
+        **_track(history),
+        **_wheels(history.force, history.moment, history.approach),
+        "in_contact": np.array([row.contact_status for row in history.rows]) == "converged",
+        "element_deflection": deflections,
+        "element_force": forces,
+        **_applied(history),
+        **_costs(history.cost),
+        "time": history.time,
+        "distance": history.distance,
+        "side": list(SIDES),
+        "edge": list(EDGES),
+        "body": list(own.names),
+        "nominal_x": [body.x for body in own.bodies.values()],
+        "wheelset": list(own.wheelsets),
+        "element": list(own.elements),
+        "axis": ["x", "y", "z"],
     }
-    patches = patch_variables(
-        [patches for row in history.rows for patches in row.patches[0]], ("time", "side"), (len(history), len(SIDES))
-    )
+    patches = patch_variables(wheels, BY_WHEEL, (len(history), len(own.wheelsets), len(SIDES)))
     attributes = {
-        "title": "Vehicle run on finite-element wheel-rail contact",
-        "frame": "moving track frame: x forward, y to the left, z upwards; forces act on the wheels",
-        "nominal_radius": history.dynamics.vehicle.radius,
+        "title": "Run of a vehicle on elastic wheel-rail contact",
+        "form": FORM,
+        "frame": "track frame of each body at its own distance: x forward, y to the left, z upwards; forces act on the "
+        "wheels",
+        "vehicle": vehicle,
+        "wheel_y": own.wheel_y,
+        "nominal_radius": own.radius,
+        "mean_wheel_load": own.mean_wheel_load,
     }
-    data = Dataset(filled(WAGON, values) | patches, attrs=attributes | run_attributes(history, scene))
-    return data.set_coords("distance")
+    data = Dataset(filled(RUN, values) | patches, attrs=attributes | _attributes(history, scene))
+    data = data.set_coords(["distance", "nominal_x"])
+    return data.assign(wear(data, shear_yield)).assign(guiding_variables(data))
 
 
-def cost_values(cost: RunCost) -> dict[str, Any]:
+def _costs(cost: RunCost) -> dict[str, Any]:
     """Call statistics of the contact by side."""
     costs = [cost.contact[side] for side in SIDES]
     return {
@@ -64,12 +87,7 @@ def cost_values(cost: RunCost) -> dict[str, Any]:
     }
 
 
-def run_coordinates(history: History) -> dict[str, Any]:
-    """Coordinates of every run: time, distance, side, edge of a patch."""
-    return {"time": history.time, "distance": history.distance, "side": list(SIDES), "edge": list(EDGES)}
-
-
-def run_attributes(history: History, scene: str) -> dict[str, Any]:
+def _attributes(history: History, scene: str) -> dict[str, Any]:
     """Status, statistics and provenance of every run; scene: its text."""
     steps = history.cost.steps
     return {
@@ -89,21 +107,29 @@ def run_attributes(history: History, scene: str) -> dict[str, Any]:
 
 
 def _motion(history: History) -> dict[str, Any]:
-    """Coordinates of the bodies and their rates, and the track."""
-    state, (pitch,) = history.state.copy(), history.dynamics.coordinates.rolling_angles
-    state[:, pitch] += history.distance / history.dynamics.vehicle.radius
-    state[:, pitch + COUNT] += history.speeds / history.dynamics.vehicle.radius
+    """Coordinates of the bodies and their rates, and the reactions of held yaw."""
     values: dict[str, Any] = {}
+    position, rate, series = history.motion
     for index, name in enumerate(COORDINATES):
-        values[name], values[f"{name}_rate"] = state[:, index], state[:, COUNT + index]
-    if history.series.size:
-        values["series_deflection"] = outward(history.dynamics, history.series)
-    wrenches = np.concatenate([history.force, history.moment], axis=3).sum(axis=2)[:, 0]
-    outputs = WagonOutputs.of(history.dynamics, history.time, history.state, wrenches)
-    return values | _structure_motion(history) | track_values(history) | outputs._asdict()
+        values[f"body_{name}"], values[f"body_{name}_rate"] = position[..., index], rate[..., index]
+    d, wrenches = history.dynamics, np.concatenate([history.force, history.moment], axis=3).sum(axis=2)
+    if d.coordinates.held[d.coordinates.wheelset_bodies, YAW].all():
+        rows = zip(history.rows, wrenches, strict=True)
+        values["yaw_reaction"] = [d.yaw_reactions(row.time, row.state, wrench) for row, wrench in rows]
+    return values | ({"series_deflection": series} if series.size else {})
 
 
-def track_values(history: History) -> dict[str, Any]:
+def _applied(history: History) -> dict[str, Any]:
+    """Torques and forces on the vehicle, where there are any."""
+    loads = history.dynamics.loads
+    if not loads:
+        return {}
+    torque, force = history.applied()
+    torques = {"applied_torque": torque} if loads.torques else {}
+    return torques | ({"applied_force": force} if loads.forces else {})
+
+
+def _track(history: History) -> dict[str, Any]:
     """Speed and track at the distance of the reference motion."""
     track, distances = history.dynamics.track, history.distance.tolist()
     values: dict[str, Any] = {
@@ -122,18 +148,19 @@ def _structure_motion(history: History) -> dict[str, Any]:
     structure = history.dynamics.structure
     if structure is None:
         return {}
-    elastic, motion = structure.pairs.flexibility, history.motions[:, 0]
+    elastic, motion = structure.pairs.flexibility, history.motions
+    shape = motion.shape[:2]
     values: dict[str, Any] = {}
     if elastic.hubs is not None:
-        values["hub_motion"] = motion[:, :12].reshape(-1, 2, 6) * [np.ones(6), MIRRORED_HUB]
+        values["hub_motion"] = motion[..., :12].reshape(*shape, 2, 6) * [np.ones(6), MIRRORED_HUB]
     if elastic.rails is not None:
-        values["rail_motion"] = motion[:, 12:18].reshape(-1, 2, 3) * [np.ones(3), MIRRORED_RAIL]
+        values["rail_motion"] = motion[..., 12:18].reshape(*shape, 2, 3) * [np.ones(3), MIRRORED_RAIL]
     if structure.velocities:
-        values["sleeper_motion"] = motion[:, 18:22].reshape(-1, 2, 2) * [[1.0, 1.0], [-1.0, 1.0]]
+        values["sleeper_motion"] = motion[..., 18:22].reshape(*shape, 2, 2) * [[1.0, 1.0], [-1.0, 1.0]]
     return values
 
 
-def wheel_values(force: Array, moment: Array, approach: Array) -> dict[str, Any]:
+def _wheels(force: Array, moment: Array, approach: Array) -> dict[str, Any]:
     """Contact forces on the wheels and moments about the centres of the wheelsets, in the track frame.
 
     Parameters:

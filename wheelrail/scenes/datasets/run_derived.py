@@ -1,4 +1,4 @@
-"""Derived variables of a run: energy balance and wear."""
+"""Derived variables of a run: energy balance, wear, forces in the terms of running safety."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 
 from wheelrail.contact.stress.shakedown import load_factor, surface_fatigue_index, utilisation
 from wheelrail.scenes.datasets.declared import filled
-from wheelrail.scenes.datasets.run_schema import VEHICLE, WAGON, is_of_vehicle
+from wheelrail.scenes.datasets.run_schema import RUN
+from wheelrail.vehicle.multibody.wheel_forces import OUTWARDS
 from wheelrail.vehicle.simulation.energy_balance import APPLIED, energy_balance
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ def with_energy(data: Dataset, history: History) -> Dataset:
         "work": balance.work,
         "cause": list(APPLIED[: balance.power.shape[1]]),
     }
-    return data.assign(filled(WAGON, values)).assign_attrs(energy_balance_error=balance.error)
+    return data.assign(filled(RUN, values)).assign_attrs(energy_balance_error=balance.error)
 
 
 def wear(data: Dataset, shear_yield: float) -> dict[str, Variable]:
@@ -58,6 +59,25 @@ def wear(data: Dataset, shear_yield: float) -> dict[str, Variable]:
         "patch_load_factor": loaded,
         "patch_surface_fatigue_index": index,
     }
-    variables = filled(VEHICLE if is_of_vehicle(data) else WAGON, values)
+    variables = filled(RUN, values)
     variables["patch_load_factor"].attrs["long_name"] += f" of {1e-6 * shear_yield:g} MPa"
     return variables
+
+
+def guiding_variables(data: Dataset) -> dict[str, Variable]:
+    """Forces in the terms of running safety: Y, Y/Q, sum of Y and sum of Q of every wheelset.
+
+    Parameters:
+        data: Dataset of the run.
+    """
+    outwards = data["side"].copy(data=[OUTWARDS[side] for side in data["side"].values.tolist()])
+    guiding, load = data["lateral_force"] * outwards, data["vertical_force"]
+    shifting = data["lateral_force"].sum("side", skipna=False)
+    values = {
+        "guiding_force": guiding,
+        "derailment_quotient": guiding / load.where(load > 0.0),
+        "track_shifting_force": shifting,
+        "axle_load": load.sum("side", skipna=False),
+        "wheel_unloading": 1.0 - load / data.attrs["mean_wheel_load"],
+    }
+    return filled(RUN, values)

@@ -13,6 +13,7 @@ from scipy.integrate import trapezoid
 
 from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.datasets.result_table import Column, ResultTable
+from wheelrail.scenes.datasets.run_schema import of_wagon
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def channels(data: Dataset) -> Iterator[tuple[str, str, Array]]:
     """Label, unit and values (n,) of every channel, wheel by wheel."""
     for label, name, sided, scale, unit in CHANNELS:
         for side in data["side"].values if sided else (None,):
-            values = data[name] if side is None else data[name].sel(side=side)
+            values = of_wagon(data, name) if side is None else of_wagon(data, name).sel(side=side)
             yield label if side is None else f"{label}, {side}", unit, scale * values.values
 
 
@@ -108,7 +109,7 @@ def noise(data: Dataset) -> dict[str, tuple[float, float]]:
     values = {}
     for name in ("vertical_force", "lateral_force"):
         for side in data["side"].values:
-            residual = scatter(data["time"].values, data[name].sel(side=side).values)
+            residual = scatter(data["time"].values, of_wagon(data, name).sel(side=side).values)
             values[f"{name.replace('_', ' ')}, {side}"] = (rms(residual), rms(residual[full_curve(data)]))
     return values
 

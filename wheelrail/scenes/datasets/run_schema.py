@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.scenes.datasets.declared import Declared, Schema, check
-from wheelrail.scenes.datasets.netcdf import read
+from wheelrail.scenes.datasets.declared import Declared, Schema
 from wheelrail.scenes.datasets.patches import BANDS, PATCH_VARIABLES
-from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.vehicle.multibody.plane_wagon import COORDINATES as WAGON_COORDINATES
-from wheelrail.vehicle.multibody.vehicle import COORDINATES as BODY_COORDINATES
+from wheelrail.vehicle.multibody.plane_wagon import HELD
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    from xarray import DataArray, Dataset
 
 AXES = ("longitudinal", "lateral", "vertical")
 TURNS = ("roll", "spin", "yaw")
 EDGES = ("low", "high")
-FARTHEST = 1e7  # m along the track
+FORM = 2  # of results, their attribute; those of the plane wagon without it have no bodies, wheelsets and elements
 TIME = ("time",)
 BY_BODY = ("time", "body")
 BY_ELEMENT = ("time", "element", "axis")
+BY_WHEEL = ("time", "wheelset", "side")
+BY_WHEELSET = ("time", "wheelset")
 COORDINATE_TEXTS = {
     "x": "displacement forward of the place in the reference motion, with distance and speed",
     "y": "lateral displacement from the centre line of the track at the body's own centre, positive to the left; in a "
@@ -46,23 +40,10 @@ TRACK: Schema = {
     "curvature": Declared(TIME, "1/m", "curvature of the track, positive to the left"),
     "lift": Declared(TIME, "m", "height of the right rail above the left"),
 }
-COMMON: Schema = {
-    "time": Declared(TIME, "s", "time"),
-    "distance": Declared(TIME, "m", "distance along the track"),
-    "side": Declared(("side",), "", ""),
-    "edge": Declared(("edge",), "", ""),
-    **TRACK,
-    **{f"irregularity_{name}": Declared(TIME, "m", text, needed=False) for name, text in IRREGULARITIES.items()},
-    "contact_solves": Declared(("side",), "1", "contact problems solved"),
-    "failed_solves": Declared(("side",), "1", "contact problems that failed and were repeated"),
-    "newton_iterations": Declared(("side",), "1", "total Newton iterations"),
-    "linear_iterations": Declared(("side",), "1", "total linear iterations"),
-    "contact_seconds": Declared(("side",), "s", "time for all contact solves"),
-}
-COMMON_ATTRIBUTES: dict[str, type] = {
-    "status": str,
-    "scene": str,
-    **dict.fromkeys(("speed", "seconds", "steps_accepted", "steps_rejected", "steps_failed", "evaluations"), float),
+MOTION: Schema = {
+    f"body_{name}{rate}": Declared(BY_BODY, units + per, f"rate of {text}" if rate else text)
+    for (name, text), units in zip(COORDINATE_TEXTS.items(), 3 * ("m",) + 3 * ("rad",), strict=True)
+    for rate, per in (("", ""), ("_rate", "/s"))
 }
 
 
@@ -89,88 +70,55 @@ def wheel_schema(by_wheel: tuple[str, ...]) -> Schema:
     }
 
 
-def motion(coordinates: Mapping[str, str], dims: tuple[str, ...]) -> Schema:
-    """Coordinates and their rates.
-
-    Parameters:
-        coordinates: meanings by name.
-        dims: of their values.
-    """
-    declared: dict[str, Declared] = {}
-    for name, text in coordinates.items():
-        units = "rad" if name.endswith(("roll", "pitch", "yaw")) else "m"
-        declared[name] = Declared(dims, units, text)
-        declared[f"{name}_rate"] = Declared(dims, f"{units}/s", f"rate of {text}")
-    return declared
-
-
-WAGON_MOTION = motion(
-    {n: n.replace("_", " ") + ", above the nominal height" * n.endswith("z") for n in WAGON_COORDINATES}, TIME
-)
-BODY_MOTION = motion({f"body_{name}": COORDINATE_TEXTS[name] for name in BODY_COORDINATES}, BY_BODY)
 # Names and units of the components of motions.
 COMPONENTS: dict[str, tuple[tuple[str, str], ...]] = {
     "hub_component": (("x", "m"), ("y", "m"), ("z", "m"), ("roll", "rad"), ("pitch", "rad"), ("yaw", "rad")),
     "rail_component": (("y", "m"), ("z", "m"), ("roll", "rad")),
     "sleeper_component": (("y", "m"), ("z", "m")),
 }
-WAGON: Schema = {
-    **COMMON,
-    **WAGON_MOTION,
-    "series_deflection": Declared(
-        ("time", "series"),
-        "m",
-        "outward deflection of the series springs of the Maxwell elements, left side, then right side",
-        False,
-    ),
-    "hub_motion": Declared(
-        ("time", "side", "hub_component"),
-        "m and rad, x, y, z, then about x, y, z",
-        "motion of the hub relative to the line through the journals",
-        False,
-    ),
-    "rail_motion": Declared(
-        ("time", "side", "rail_component"),
-        "m and rad, y, z, then roll about the foot",
-        "motion of the rail on its pads",
-        False,
-    ),
-    "sleeper_motion": Declared(
-        ("time", "side", "sleeper_component"),
-        "m",
-        "motion of the sleepers under the wheel, across and normal to the foot of the rail",
-        False,
-    ),
-    "yaw_reaction": Declared(TIME, "N m", "reaction moment of the constrained yaw of the wheelset"),
-    "secondary_deflection": Declared(
-        TIME, "m", "displacement of the car body against the bogie at the secondary springs, positive to the left"
-    ),
-    "bumpstop_deflection": Declared(TIME, "m", "deflection of the lateral bumpstop, positive to the left"),
-    "bumpstop_force": Declared(TIME, "N", "force of the bumpstop on the car body, positive to the left"),
-    **wheel_schema(("time", "side")),
-    "mechanical_energy": Declared(TIME, "J", "kinetic and elastic energy, spin relative to nominal rolling", False),
-    "power": Declared(("time", "cause"), "W", "power by cause of change of the mechanical energy", False),
-    "work": Declared(("time", "cause"), "J", "work by the same cause since the first sample", False),
-    "cause": Declared(("cause",), "", "", False),
-}
-WAGON_ATTRIBUTES = {**COMMON_ATTRIBUTES, "nominal_radius": float}
-
-BY_WHEEL = ("time", "wheelset", "side")
-BY_WHEELSET = ("time", "wheelset")
-VEHICLE: Schema = {
-    **COMMON,
+RUN: Schema = {
+    "time": Declared(TIME, "s", "time"),
+    "distance": Declared(TIME, "m", "distance along the track"),
+    "side": Declared(("side",), "", ""),
+    "edge": Declared(("edge",), "", ""),
+    **TRACK,
+    **{f"irregularity_{name}": Declared(TIME, "m", text, needed=False) for name, text in IRREGULARITIES.items()},
+    "contact_solves": Declared(("side",), "1", "contact problems solved"),
+    "failed_solves": Declared(("side",), "1", "contact problems that failed and were repeated"),
+    "newton_iterations": Declared(("side",), "1", "total Newton iterations"),
+    "linear_iterations": Declared(("side",), "1", "total linear iterations"),
+    "contact_seconds": Declared(("side",), "s", "time for all contact solves"),
     "body": Declared(("body",), "", ""),
     "nominal_x": Declared(("body",), "m", "place along the vehicle, forward"),
     "wheelset": Declared(("wheelset",), "", ""),
     "element": Declared(("element",), "", ""),
     "axis": Declared(("axis",), "", ""),
-    **BODY_MOTION,
+    **MOTION,
     "series_deflection": Declared(
         ("time", "series"),
         "m",
         "deflection of the series springs of the Maxwell elements, in the order of elements and axes",
         False,
     ),
+    "hub_motion": Declared(
+        (*BY_WHEEL, "hub_component"),
+        "m and rad, x, y, z, then about x, y, z",
+        "motion of the hub relative to the line through the journals",
+        False,
+    ),
+    "rail_motion": Declared(
+        (*BY_WHEEL, "rail_component"),
+        "m and rad, y, z, then roll about the foot",
+        "motion of the rail on its pads",
+        False,
+    ),
+    "sleeper_motion": Declared(
+        (*BY_WHEEL, "sleeper_component"),
+        "m",
+        "motion of the sleepers under the wheel, across and normal to the foot of the rail",
+        False,
+    ),
+    "yaw_reaction": Declared(BY_WHEELSET, "N m", "reaction moment of the held yaw of the wheelset", False),
     **wheel_schema(BY_WHEEL),
     "element_deflection": Declared(
         BY_ELEMENT,
@@ -196,59 +144,34 @@ VEHICLE: Schema = {
     ),
     "axle_load": Declared(BY_WHEELSET, "N", "sum of Q"),
     "wheel_unloading": Declared(BY_WHEEL, "1", "1 - Q / mean static wheel load"),
+    "mechanical_energy": Declared(TIME, "J", "kinetic and elastic energy, spin relative to nominal rolling", False),
+    "power": Declared(("time", "cause"), "W", "power by cause of change of the mechanical energy", False),
+    "work": Declared(("time", "cause"), "J", "work by the same cause since the first sample", False),
+    "cause": Declared(("cause",), "", "", False),
 }
-VEHICLE_ATTRIBUTES = {
-    **COMMON_ATTRIBUTES,
-    "vehicle": str,
+ATTRIBUTES: dict[str, type] = {
+    **dict.fromkeys(("status", "scene", "vehicle"), str),
+    **dict.fromkeys(("speed", "seconds", "steps_accepted", "steps_rejected", "steps_failed", "evaluations"), float),
     **dict.fromkeys(("nominal_radius", "wheel_y", "mean_wheel_load"), float),
 }
 
 
-def is_of_vehicle(data: Dataset) -> bool:
-    """Whether the results are those of a vehicle in three dimensions, with a dimension of wheelsets."""
-    return "wheelset" in data.dims
+def is_of_wagon(data: Dataset) -> bool:
+    """Whether the results are those of the plane wagon of the scene, which have no text of a vehicle file."""
+    return not data.attrs["vehicle"]
 
 
-def read_run(file: Path) -> Dataset:
-    """Dataset of a run; raises SceneError as `check_run`."""
-    data = read(file)
-    check_run(data, file)
-    return data
-
-
-def check_run(data: Dataset, file: Path) -> None:
-    """Raise SceneError unless a Dataset has what a run writes, naming what is missing or differs.
+def of_wagon(data: Dataset, name: str) -> DataArray:
+    """Values over time, and side, of a quantity of the plane wagon by its name.
 
     Parameters:
-        data: Dataset of the file.
-        file: for messages.
+        data: Dataset of a run.
+        name: of a coordinate, as "car_body_y", of a variable of the wheels, or "bumpstop_force".
     """
-    if not data.sizes.get("time") or "patches" not in data or not {"body_y", "wheelset_y"} & set(data.variables):
-        raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
-    of_vehicle = is_of_vehicle(data)
-    check(data, file, VEHICLE if of_vehicle else WAGON, VEHICLE_ATTRIBUTES if of_vehicle else WAGON_ATTRIBUTES)
-    names = {"side": SIDES, "edge": EDGES, **({"axis": ("x", "y", "z")} if of_vehicle else {})}
-    for name, expected in names.items():
-        if tuple(data[name].values.tolist()) != tuple(expected):
-            raise SceneError(f"{file}: {name}: must be {', '.join(expected)}")
-    if not data.sizes["patch"]:
-        raise SceneError(f"{file}: patch: without length; must have one place at least")
-    time, distance = data["time"].values, data["distance"].values
-    if not np.isfinite(time).all() or (np.diff(time) <= 0.0).any():
-        raise SceneError(f"{file}: time: must be finite numbers that increase")
-    if not (np.abs(distance) <= FARTHEST).all() or (np.diff(distance) < 0.0).any():
-        raise SceneError(f"{file}: distance: must be numbers up to {FARTHEST:g} m that do not decrease")
-    for name in (*TRACK, *(BODY_MOTION if of_vehicle else WAGON_MOTION)):
-        if not np.isfinite(data[name].values).all():
-            raise SceneError(f"{file}: {name}: must be finite numbers")
-    if of_vehicle:
-        _check_names(data, file)
-
-
-def _check_names(data: Dataset, file: Path) -> None:
-    """Raise SceneError unless bodies have names of their own, and wheelsets are among them."""
-    bodies, wheelsets = data["body"].values.tolist(), data["wheelset"].values.tolist()
-    if len(set(bodies)) < len(bodies):
-        raise SceneError(f"{file}: body: must be different names")
-    if not wheelsets or not set(wheelsets) <= set(bodies):
-        raise SceneError(f"{file}: wheelset: must be names of bodies, one at least")
+    body, _, coordinate = name.rpartition("_")
+    if name == "bumpstop_force":
+        return data["element_force"].sel(element="bumpstop", axis="y", drop=True)
+    if body in HELD:
+        values = data[f"body_{coordinate}"].sel(body=body, drop=True)
+        return values.assign_attrs(long_name=f"{body.replace('_', ' ')}: {values.attrs['long_name']}")
+    return data[name].squeeze(["wheelset"] if "wheelset" in data[name].dims else [], drop=True)

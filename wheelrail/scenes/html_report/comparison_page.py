@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 from wheelrail.scenes.datasets.run_differences import differences, table
 from wheelrail.scenes.html_report.elements import Page, PageSection, PageTable, Part
-from wheelrail.scenes.html_report.extremes import vehicle_table, wheel_table
+from wheelrail.scenes.html_report.extremes import extreme_tables
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
 from wheelrail.scenes.html_report.run_page import SIGNS, key_tables
-from wheelrail.scenes.html_report.views import largest_force_view
+from wheelrail.scenes.html_report.views import run_view
 from wheelrail.scenes.plots.comparison import PICTURES
 
 if TYPE_CHECKING:
@@ -55,14 +55,14 @@ def comparison_page(runs: tuple[Dataset, Dataset], names: tuple[str, str], folde
         ),
         PageSection("Key figures", key_tables(dict(zip(names, runs, strict=True)))),
         *(
-            PageSection(f"Extremes of {name}", [wheel_table(data), vehicle_table(data)], SIGNS)
+            PageSection(f"Extremes of {name}", extreme_tables(data), SIGNS)
             for data, name in zip(runs, names, strict=True)
         ),
         PageSection("Figures", _pictures(runs, names, both)),
     ]
     if view:
         sections.insert(
-            2, PageSection("Interactive 3D view", [largest_force_view(first, folder / names[0] / "run.nc", names[0])])
+            2, PageSection("Interactive 3D view", [run_view(first, folder / names[0] / "run.nc", names[0])])
         )
     statuses = [str(data.attrs["status"]) for data in runs]
     facts = {

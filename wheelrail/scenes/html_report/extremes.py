@@ -9,11 +9,11 @@ import numpy as np
 from scipy.integrate import trapezoid
 
 from wheelrail.scenes.html_report.elements import PageTable, number
-from wheelrail.scenes.plots.runs import named
+from wheelrail.scenes.plots.runs import CHORD, named
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    from xarray import DataArray, Dataset
 
 
 def lateral_over_vertical(wheel_data: Dataset) -> Array:
@@ -51,22 +51,15 @@ WHEELS: tuple[Row, ...] = (
         "greatest",
     ),
 )
-VEHICLE: tuple[Row, ...] = (
-    ("wheelset y, positive to the left [mm]", "wheelset_y", _of("wheelset_y", 1e3), "largest"),
-    ("wheelset roll [mrad]", "wheelset_roll", _of("wheelset_roll", 1e3), "largest"),
-    ("bogie y, positive to the left [mm]", "bogie_y", _of("bogie_y", 1e3), "largest"),
-    ("car body y, positive to the left [mm]", "car_body_y", _of("car_body_y", 1e3), "largest"),
-    ("car body roll [mrad]", "car_body_roll", _of("car_body_roll", 1e3), "largest"),
-    (
-        "bumpstop force on the car body, positive to the left [kN]",
-        "bumpstop_force",
-        _of("bumpstop_force", 1e-3),
-        "largest",
-    ),
-)
 
 
-def wheel_table(data: Dataset, caption: str = "Wheels and rails") -> PageTable:
+def extreme_tables(data: Dataset) -> list[PageTable]:
+    """Extremes of the wheelsets, of the wheels of each, and of all bodies."""
+    wheels = [wheel_table(data.sel(wheelset=name), str(name)) for name in data["wheelset"].values]
+    return [wheelset_table(data), *wheels, body_table(data)]
+
+
+def wheel_table(data: Dataset, caption: str) -> PageTable:
     """Extremes of the wheels of a wheelset with their distances, m, left and right."""
     sides = [str(side) for side in data["side"].values]
     head = ["quantity", *(text for side in sides for text in (f"{named(side, data)} wheel", "at [m]"))]
@@ -78,12 +71,40 @@ def wheel_table(data: Dataset, caption: str = "Wheels and rails") -> PageTable:
     return PageTable(caption, head, [*rows, *_averages(data, sides)], frozenset(range(1, len(head))))
 
 
-def vehicle_table(data: Dataset) -> PageTable:
-    """The same for the bodies of the vehicle, largest magnitudes."""
-    rows = [[row[0], *extreme(data, row)] for row in VEHICLE if row[1] in data]
-    return PageTable(
-        "Bodies of the vehicle, largest magnitudes", ["quantity", "value", "at [m]"], rows, frozenset({1, 2})
-    )
+def wheelset_table(data: Dataset) -> PageTable:
+    """Extremes of every wheelset."""
+    names = [str(name) for name in data["wheelset"].values]
+    y = data["body_y"].sel(body=data["wheelset"].values)
+    yaw = data["body_yaw"].sel(body=data["wheelset"].values)
+    force, quotient = data["guiding_force"].max("side"), data["derailment_quotient"].max("side")
+    rows = [
+        ["sum of Y, largest magnitude, positive to the right [kN]", *_largest(data["track_shifting_force"], 1e-3)],
+        ["guiding force Y of a wheel, maximum [kN]", *map(number, 1e-3 * force.max("time").values)],
+        ["derailment quotient Y/Q of a wheel, maximum [1]", *map(number, quotient.max("time").values)],
+        ["unloading of a wheel, maximum [%]", *map(number, 100 * data["wheel_unloading"].max(["time", "side"]).values)],
+        ["T-gamma of both wheels, maximum [N]", *map(number, data["t_gamma"].sum("side").max("time").values)],
+        ["lateral displacement, largest magnitude, positive to the left [mm]", *_largest(y, 1e3)],
+        ["yaw, largest magnitude, positive to the left [mrad]", *_largest(yaw, 1e3)],
+    ]
+    return PageTable("Wheelsets", ["quantity", *names], rows, frozenset(range(1, len(names) + 1)))
+
+
+def body_table(data: Dataset) -> PageTable:
+    """Largest magnitudes of the coordinates of all bodies."""
+    columns = {"x": 1e3, "y": 1e3, "z": 1e3, "roll": 1e3, "pitch": 1e3, "yaw": 1e3}
+    head = ["body", *(f"{name} [{'mm' if name in 'xyz' else 'mrad'}]" for name in columns)]
+    cells = {name: _largest(data[f"body_{name}"], scale) for name, scale in columns.items()}
+    rolls = np.isin(data["body"].values, data["wheelset"].values)
+    cells["pitch"] = ["–" if turns else text for turns, text in zip(rolls, cells["pitch"], strict=True)]
+    rows = [[str(name), *values] for name, *values in zip(data["body"].values, *cells.values(), strict=True)]
+    caption = f"Largest magnitudes of the coordinates, each body in the track frame at its own distance; {CHORD}"
+    return PageTable(caption, head, rows, frozenset(range(1, len(head))))
+
+
+def _largest(values: DataArray, scale: float) -> list[str]:
+    """Values of the largest magnitude over time, scaled; values: (time, n)."""
+    samples = np.nan_to_num(values.transpose("time", ...).values)
+    return [number(scale * column[np.argmax(np.abs(column))]) for column in samples.T]
 
 
 def extreme(data: Dataset, row: Row) -> tuple[str, str]:

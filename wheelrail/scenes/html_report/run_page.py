@@ -7,26 +7,35 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.html_report.elements import Page, PagePicture, PageSection, PageTable, number
-from wheelrail.scenes.html_report.extremes import vehicle_table, wheel_table
+from wheelrail.scenes.html_report.elements import Page, PageNote, PagePicture, PageSection, PageTable, number
+from wheelrail.scenes.html_report.extremes import extreme_tables
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
-from wheelrail.scenes.html_report.views import largest_force_view
-from wheelrail.scenes.plots.runs import PICTURES, t_gamma
+from wheelrail.scenes.html_report.views import run_view
+from wheelrail.scenes.plots.runs import CHORD, pictures_of, t_gamma
+from wheelrail.scenes.schema.errors import SceneError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from xarray import Dataset
 
 CAPTIONS = {  # in the order of the page, figures of equal height side by side
+    "attitude": "Plan view of the wheelsets with the horizontal forces on their wheels, at the largest guiding forces",
+    "guiding_force": "Guiding force Y of every wheel, positive outwards [kN]",
+    "wheel_load": "Wheel load Q of every wheel [kN]",
     "lateral_force": "Lateral contact force Y on both wheels, positive to the left [kN]",
     "vertical_force": "Vertical contact force Q on both wheels, positive upwards [kN]",
     "contact_on_wheel": "Contact positions on the wheels: lateral extent [mm], coloured by peak pressure [MPa]",
     "contact_on_rail": "Contact positions on the rails: lateral extent [mm], coloured by peak pressure [MPa]",
     "lateral_displacement": "Lateral displacement of wheelset and car body, positive to the left [mm]",
+    "derailment_quotient": "Derailment quotient Y/Q of every wheel [1]",
+    "track_shifting_force": "Sum of Y of every wheelset, positive to the right [kN]",
     "shakedown": "Shakedown map: load factor of every patch over its utilisation, with the limit for line contact",
-    "t_gamma": "T-gamma: frictional energy per metre of track [N]",
+    "t_gamma": "T-gamma of every wheel: frictional energy per metre of track [N]",
     "energy": "Mechanical energy, and work by cause [kJ]",
+    "wheelset_motion": "Lateral displacement and yaw of the wheelsets [mm, mrad]",
+    "traction": "Over time: speed of vehicle and rims [m/s], longitudinal forces of the wheelsets [kN], torques [kN m]",
+    "body_motion": f"Lateral displacement and yaw of the other bodies [mm, mrad]; {CHORD}",
 }
 
 
@@ -38,34 +47,23 @@ def run_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
         file: results.
         view: whether to include an interactive 3D view.
     """
+    text, reached = str(data.attrs["scene"]), float(data["distance"].values[-1])
     sections = [
         PageSection("Key figures", key_tables({"": data})),
-        PageSection("Extremes", [wheel_table(data), vehicle_table(data)], SIGNS),
-        PageSection("Figures", pictures(list(figures(data)), "No figures: fewer than two samples.")),
+        PageSection("Running safety", [_safety(data, file)]),
+        PageSection("Extremes", extreme_tables(data), SIGNS),
+        PageSection("Track", [_track(data, file)]),
+        PageSection("Figures", pictures(list(_figures(data)), "No figures: fewer than two samples.")),
     ]
     if view:
-        sections.insert(2, PageSection("Interactive 3D view", [largest_force_view(data, file)]))
-    return page_of_run(data, file, "Vehicle run", {}, sections)
-
-
-def page_of_run(data: Dataset, file: Path, what: str, sources: dict[str, str], sections: list[PageSection]) -> Page:
-    """Page of a run with its status, origin and scene.
-
-    Parameters:
-        data: Dataset of the run.
-        file: results.
-        what: kind of run.
-        sources: texts beside that of the scene, by name.
-        sections: of the page.
-    """
-    text, reached = str(data.attrs["scene"]), float(data["distance"].values[-1])
+        sections.insert(2, PageSection("Interactive 3D view", [run_view(data, file)]))
     return Page(
         title=file.parent.resolve().name,
-        what=what,
+        what="Vehicle run",
         status=f"{data.attrs['status']} at {reached:.1f} m",
         well=data.attrs["status"] == "completed",
         facts={**origin(data.attrs), "computing time": seconds(float(data.attrs["seconds"])), "results": file.name},
-        sources={"Scene": text, **sources},
+        sources={"Scene": text, **({"Vehicle": vehicle} if (vehicle := data.attrs["vehicle"]) else {})},
         sections=sections,
     )
 
@@ -133,23 +131,49 @@ def _solves(one: Dataset) -> Iterator[tuple[str, str]]:
         yield "mean time per solve [ms]", number(1e3 * one["contact_seconds"] / one["contact_solves"], 3)
 
 
-def figures(data: Dataset) -> Iterator[PagePicture | None]:
+def _safety(data: Dataset, file: Path) -> PageTable | PageNote:
+    """Running safety over the whole run, or the reason why it cannot be assessed."""
+    from wheelrail.scenes.runs.safety_table import safety_of_data, safety_table
+
+    try:
+        return PageTable.of(safety_table(*safety_of_data(data, file)))
+    except SceneError as error:
+        return PageNote(f"Not assessed: {error}.")
+
+
+def _track(data: Dataset, file: Path) -> PagePicture | PageNote:
+    """Figure of the track, or the reason why it cannot be drawn."""
+    from wheelrail.scenes.datasets.input_files import scene_of_run
+    from wheelrail.scenes.runs.track_plot import track_figure
+    from wheelrail.scenes.views.view import vehicle_of_run
+
+    caption = "Track of the run: plan view, curvature, cant and cant deficiency, gradient and height, irregularities"
+    try:
+        figure = track_figure(scene_of_run(data, file), vehicle_of_run(data, file))
+    except SceneError as error:
+        return PageNote(f"No figure of the track: {error}.")
+    drawn = picture(lambda: figure, caption, caption)
+    assert drawn is not None
+    return drawn
+
+
+def _figures(data: Dataset) -> Iterator[PagePicture | None]:
     """All figures for which the data exist."""
     if data.sizes["time"] < 2:
         return
     extent = "over {:.0f} to {:.0f} m along the track".format(*data["distance"].values[[0, -1]])
-    available = drawings(data)
+    available = _drawings(data)
     for name in filter(available.__contains__, CAPTIONS):
         detail = "one dot per patch and sample" if name == "shakedown" else extent
         yield picture(available[name], CAPTIONS[name], f"{CAPTIONS[name]}, {detail}")
 
 
-def drawings(data: Dataset) -> dict[str, Callable[[], Figure]]:
+def _drawings(data: Dataset) -> dict[str, Callable[[], Figure]]:
     """Functions that draw the figures, by name."""
     from wheelrail.scenes.plots.comparison import shakedown_map
     from wheelrail.scenes.plots.energy import energy_figure
 
-    functions: dict[str, Callable[[], Figure]] = {name: partial(draw, data) for name, draw in PICTURES.items()}
+    functions: dict[str, Callable[[], Figure]] = {name: partial(draw, data) for name, draw in pictures_of(data).items()}
     if "t_gamma" in data:
         functions["t_gamma"] = partial(t_gamma, data)
     if "mechanical_energy" in data:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.scenes.datasets.run_file import read_run
+from wheelrail.scenes.datasets.run_schema import is_of_wagon
 from wheelrail.scenes.html_report.elements import PageNote, PageView, number
 from wheelrail.scenes.html_report.figures import view
 from wheelrail.scenes.plots.runs import named
@@ -19,31 +21,31 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.scenes.studies.plan import StudyCase
-    from wheelrail.scenes.views.animation import RunBodies
 
 CHEAP = 30.0  # s, longest solve of a study case that is repeated for its view
 NO_VIEW = "No 3D view"
 
 
-def largest_force_view(data: Dataset, file: Path, name: str = "") -> PageView | PageNote:
-    """View of the sample with the largest lateral force.
+def run_view(data: Dataset, file: Path, name: str = "") -> PageView | PageNote:
+    """View of the plane wagon's wheelset at the largest lateral force, or of a vehicle at the largest guiding forces.
 
     Parameters:
         data: Dataset of the run.
         file: results, for errors; of an earlier version, paths in the scene are relative to its folder.
         name: of the run, for the caption.
     """
+    if is_of_wagon(data):
+        return _view_or_reason(lambda: _wheelset_view(data, file, name))
+    return _view_or_reason(lambda: _vehicle_view(data, file))
+
+
+def _wheelset_view(data: Dataset, file: Path, name: str) -> PageView:
+    from wheelrail.scenes.views.run_snapshot import largest_force, sample_view
     from wheelrail.scenes.views.view import bodies_of_run
 
-    return _view_or_reason(lambda: _sample_view(data, bodies_of_run(data, file), name))
-
-
-def _sample_view(data: Dataset, bodies: RunBodies, name: str) -> PageView:
-    from wheelrail.scenes.views.run_snapshot import largest_force_sample, sample_view
-
-    index = largest_force_sample(data)
-    description = _description(data, index, name)
-    plotter = sample_view(data, index, bodies, title=description.split(":")[0])
+    index, wheelset = largest_force(data)
+    description = _description(data, data.isel(time=index).sel(wheelset=wheelset, body=wheelset), name)
+    plotter = sample_view(data, index, bodies_of_run(data, file), wheelset, title=description.split(":")[0])
     caption = (
         f"{description}. Above: the wheelset on its rails from behind; arrows: vertical and lateral force on the "
         "left wheel (blue) and on the right wheel (orange). Below: both contacts, patches as ellipses coloured by "
@@ -52,23 +54,17 @@ def _sample_view(data: Dataset, bodies: RunBodies, name: str) -> PageView:
     return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {description}.")
 
 
-def vehicle_view(data: Dataset, file: Path) -> PageView | PageNote:
-    """View of a vehicle on its track at the largest guiding forces; parameters as for `largest_force_view`."""
-    return _view_or_reason(lambda: _vehicle_view(data, file))
-
-
 def _vehicle_view(data: Dataset, file: Path) -> PageView:
-    from wheelrail.scenes.plots.vehicle_runs import sample_of_largest_forces
-    from wheelrail.scenes.views.vehicle_animation import SCALE, VehicleAnimation
-    from wheelrail.scenes.views.view import bodies_of_scene, scene_of_run, vehicle_of_run
+    from wheelrail.scenes.plots.runs import sample_of_largest_forces
+    from wheelrail.scenes.views.view import whole_vehicle
 
-    scene, at = scene_of_run(data, file), data.isel(time=sample_of_largest_forces(data))
-    drawn = VehicleAnimation(data, bodies_of_scene(scene), vehicle_of_run(data, file), scene.track.track())
+    at = data.isel(time=sample_of_largest_forces(data))
+    drawn = whole_vehicle(data, file)
     drawn.show(float(at["time"]))
     drawn.view.title = description = f"Largest guiding forces, at {float(at['distance']):.1f} m"
     caption = (
         f"{description}. Above: the vehicle from behind on the right, wheels coloured by their load, bodies on top as "
-        f"boxes of their inertia; below: from above. Displacement magnification factor {SCALE:g}."
+        f"boxes of their inertia; below: from above. Displacement magnification factor {drawn.scale:g}."
     )
     return view(drawn.view, caption, f"The vehicle on its track, wheels coloured by their load. {description}.")
 
@@ -87,15 +83,11 @@ def case(data: Dataset, file: Path) -> PageView | PageNote:
 
 
 def _run(data: Dataset, file: Path) -> PageView:
-    from wheelrail.scenes.datasets.netcdf import read
-    from wheelrail.scenes.views.view import bodies_of_run
-
     if "kept_run" not in data.attrs:
         raise SceneError("the study contains no data of single runs; use wheelrail report with a single run")
     chosen = _cases(data)[tuple(map(int, np.atleast_1d(data.attrs["kept_case"])))]
     kept = file.parent / str(data.attrs["kept_run"])
-    run = read(kept)
-    return _sample_view(run, bodies_of_run(run, kept), f"run with the largest peak pressure, {chosen}")
+    return _wheelset_view(read_run(kept), kept, f"run with the largest peak pressure, {chosen}")
 
 
 def _contact(data: Dataset) -> PageView:
@@ -138,14 +130,13 @@ def _cases(data: Dataset) -> dict[tuple[int, ...], StudyCase]:
     return {case.index: case for case in planned.cases}
 
 
-def _description(data: Dataset, index: int, name: str) -> str:
-    """Distance, displacements and forces of a sample."""
-    sample = data.isel(time=index)
-    y, roll = (1e3 * float(sample[f"wheelset_{axis}"]) for axis in ("y", "roll"))
+def _description(data: Dataset, sample: Dataset, name: str) -> str:
+    """Distance, displacements and forces of a sample of a wheelset of a run."""
+    y, roll = (1e3 * float(sample[f"body_{axis}"]) for axis in ("y", "roll"))
     forces = "; ".join(
         f"{named(str(side), data)} wheel Y = {number(1e-3 * sample['lateral_force'].sel(side=side), 3)} kN, "
         f"Q = {number(1e-3 * sample['vertical_force'].sel(side=side), 3)} kN"
-        for side in data["side"].values
+        for side in sample["side"].values
     )
     return (
         f"Largest lateral force{f', {name}' if name else ''}, at {float(sample['distance']):.1f} m: wheelset y = "

@@ -44,20 +44,17 @@ def page(folder: Path, *, view: bool = True) -> Page:
     if not folder.is_dir():
         raise SceneError(f"{folder}: {'is a file' if folder.exists() else 'folder does not exist'}; {ALLOWED}")
     if (folder / RUN).exists():
-        from wheelrail.scenes.datasets.run_schema import is_of_vehicle, read_run
+        from wheelrail.scenes.datasets.run_file import read_run
         from wheelrail.scenes.html_report.run_page import run_page
-        from wheelrail.scenes.html_report.vehicle_page import vehicle_page
 
-        data = read_run(folder / RUN)
-        page_of = vehicle_page if is_of_vehicle(data) else run_page
-        return page_of(data, folder / RUN, view=view)
+        return run_page(read_run(folder / RUN), folder / RUN, view=view)
     if (folder / STUDY).exists():
         from wheelrail.scenes.html_report.study_page import study_page
         from wheelrail.scenes.studies.results import read_study
 
         return study_page(read_study(folder / STUDY), folder / STUDY, view=view)
     if (folder / COMPARISON).exists():
-        from wheelrail.scenes.datasets.run_schema import read_run
+        from wheelrail.scenes.datasets.run_file import read_run
         from wheelrail.scenes.html_report.comparison_page import comparison_page
 
         names = _models(folder / COMPARISON)

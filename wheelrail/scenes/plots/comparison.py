@@ -10,6 +10,7 @@ import numpy as np
 
 from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.datasets.run_differences import full_curve, rms, scatter
+from wheelrail.scenes.datasets.run_schema import of_wagon
 from wheelrail.scenes.plots.runs import along_track, named, patch_bands
 from wheelrail.scenes.plots.style import save, styled
 
@@ -41,7 +42,7 @@ def displacements(runs: Runs, names: Names) -> Figure:
     figure, axes = along_track(runs[0], 2)
     for ax, variable, title in zip(axes, ("wheelset_y", "car_body_y"), ("wheelset", "car body"), strict=True):
         for data, label, look in zip(runs, names, LOOKS, strict=True):
-            ax.plot(data["distance"], 1e3 * data[variable], label=label, **look)
+            ax.plot(data["distance"], 1e3 * of_wagon(data, variable), label=label, **look)
         ax.set_title(f"Lateral displacement of the {title}")
         ax.set_ylabel("y, positive to the left [mm]")
     axes[0].legend(loc="best", ncols=2)
@@ -84,7 +85,7 @@ def force_scatter(runs: Runs, names: Names) -> Figure:
     panels = [(name, side) for name in ("vertical_force", "lateral_force") for side in runs[0]["side"].values]
     for ax, (variable, side) in zip(axes, panels, strict=True):
         for data, label, look in zip(runs, names, LOOKS, strict=True):
-            residual = scatter(data["time"].values, data[variable].sel(side=side).values)
+            residual = scatter(data["time"].values, of_wagon(data, variable).sel(side=side).values)
             style = {"color": look["color"], "linewidth": 0.6}
             noise = rms(residual[full_curve(data)])
             text = f"{label}, RMS {significant(rms(residual), 2)} N, {significant(noise, 2)} N in the full curve"
@@ -140,7 +141,7 @@ def _by_side(runs: Runs, names: Names, variable: str, scale: float, title: str, 
     figure, axes = along_track(runs[0], 2)
     for ax, side in zip(axes, runs[0]["side"].values, strict=True):
         for data, name, look in zip(runs, names, LOOKS, strict=True):
-            ax.plot(data["distance"], scale * data[variable].sel(side=side), label=name, **look)
+            ax.plot(data["distance"], scale * of_wagon(data, variable).sel(side=side), label=name, **look)
         ax.set_title(f"{title}, {named(str(side), runs[0])} wheel")
         ax.set_ylabel(label)
     axes[0].legend(loc="best", ncols=2)
@@ -151,7 +152,7 @@ def _sections(runs: Runs, names: Names, body: str, label: str) -> Figure:
     figure, axes = patch_bands(runs[0], body, label)
     points = runs[1]
     for ax, side in zip(axes, points["side"].values, strict=True):
-        position = 1e3 * points[f"{body}_y"].sel(side=side).values
+        position = 1e3 * of_wagon(points, f"{body}_y").sel(side=side).values
         distance = np.broadcast_to(points["distance"].values[:, None], position.shape)
         ax.plot(distance.ravel(), position.ravel(), ".", ms=2.2, color=DOTS, label=f"contact points, {names[1]}")
     axes[0].legend(loc="lower left", title=f"bands: patches, {names[0]}", alignment="left")

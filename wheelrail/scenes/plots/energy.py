@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 def energy_figure(data: Dataset) -> Figure:
     """Change of the mechanical energy and work by cause, kJ, over distance."""
     figure, (ax,) = along_track(data, 1)
-    figure.set_size_inches(7.2, 3.6)
     change = 1e-3 * (data["mechanical_energy"] - data["mechanical_energy"][0])
     ax.plot(data["distance"], change, color="0.15", linewidth=1.6, label="mechanical energy")
     for cause, look in zip(data["cause"].values, cycle(SERIES), strict=False):

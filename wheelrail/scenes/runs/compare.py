@@ -123,7 +123,7 @@ def _scene(text: str, name: str | Path) -> RunScene:
 
 def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
     """Results of a scene, stored in the folder or simulated; an interrupted run is resumed."""
-    from wheelrail.scenes.datasets.netcdf import read
+    from wheelrail.scenes.datasets.run_file import read_run
 
     def log(message: str) -> None:
         console.print(f"{scene.model}: {message}", highlight=False, markup=False)
@@ -132,7 +132,7 @@ def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
     try:
         if ended(scene, folder):
             log(f"{results} already contains this run")
-            return read(results)
+            return read_run(results)
         log("running")
         outcome = run_scene(scene, text, folder, console, resume=(folder / CHECKPOINTS).exists())
     except SceneError as error:  # the folder contains results of another scene
@@ -143,4 +143,4 @@ def _run(scene: RunScene, text: str, folder: Path, console: Console) -> Dataset:
     if not outcome.files:
         raise RunFailed(f"{scene.model}: {outcome.status}")
     log(outcome.status)
-    return read(results)
+    return read_run(results)

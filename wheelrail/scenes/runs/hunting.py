@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 from wheelrail.scenes.datasets.number_text import fixed
 from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
 from wheelrail.scenes.plots.style import SERIES, literal, save, styled
-from wheelrail.scenes.runs.steady import failures_as_run_failed
-from wheelrail.scenes.runs.vehicle_run import vehicle_for_run
-from wheelrail.scenes.runs.vehicle_steady import vehicle_dynamics
+from wheelrail.scenes.runs.run import vehicle_for_run
+from wheelrail.scenes.runs.steady import failures_as_run_failed, vehicle_dynamics
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 

@@ -6,29 +6,34 @@ import json
 import signal
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.vehicle import applied_loads, run_track, vehicle_on
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.datasets.input_files import FILES, packed
 from wheelrail.scenes.datasets.result_table import Results
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
+from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
-from wheelrail.scenes.schema.toml import parse
+from wheelrail.scenes.schema.toml import parse, read_text
 
 if TYPE_CHECKING:
     from rich.console import Console
     from xarray import Dataset
 
+    from wheelrail.contact.loading.structure import Structure
     from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.scenes.runs.checkpoint_file import CheckpointFile
+    from wheelrail.vehicle.multibody.vehicle import Vehicle
     from wheelrail.vehicle.simulation.checkpoint import Checkpoint
     from wheelrail.vehicle.simulation.history import History
+    from wheelrail.vehicle.simulation.time_run import Progress, Recording
 
 
 @dataclass(frozen=True)
@@ -154,40 +159,100 @@ def _simulated(
         checkpoint_file: to which checkpoints are appended.
         start: checkpoint from which the run continues.
     """
-    from wheelrail.scenes.runs.vehicle_run import simulate_on_track, vehicle_for_run
-
-    if file is None and scene.keys_of_vehicle_files:
-        raise SceneError(f"{', '.join(scene.keys_of_vehicle_files)}: allowed only with a vehicle file (--vehicle)")
-    vehicle = None if file is None else vehicle_for_run(scene, file)
+    vehicle = vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
         contact, structure = run_contact(scene)
-    from wheelrail.vehicle.integration.integrate import StepSettings
-    from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
-    from wheelrail.vehicle.simulation.simulate import simulate
     from wheelrail.vehicle.simulation.time_run import Recording
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
     checkpoints = None
     if checkpoint_file is not None and scene.output.checkpoint:
         checkpoints = Checkpoints(scene.output.checkpoint, checkpoint_file.append, start)
-    speed, length = scene.vehicle.speed_profile, scene.track.length
-    end = SpeedProfile.of(speed).time_at(length)
+    length = scene.track.length
+    end = SpeedProfile.of(scene.vehicle.speed_profile).time_at(length)
     start_distance = length * start.time / end if start else 0.0
     with (
         _workers(contact, scene.solver.workers) as parallel,
         progress_bar(console, length, start_distance) as progress,
     ):
         recording = Recording(scene.output.interval or None, checkpoints)
-        if vehicle is not None:
-            return simulate_on_track(scene, vehicle, parallel, end, recording, progress)
-        return simulate(
-            wagon_dynamics(wagon(scene), track(scene), parallel, speed, structure),
-            (0.0, end),
-            steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
-            recording=recording,
-            progress=progress,
-        )
+        return simulate_on_track(scene, vehicle, parallel, end, recording, progress, structure)
+
+
+def vehicle_for_run(scene: RunScene, file: Path | None = None) -> Vehicle:
+    """Vehicle of a run of a scene.
+
+    Parameters:
+        scene: of the run.
+        file: vehicle file; None: the plane wagon of the scene.
+
+    Raises SceneError as `vehicle_on`, for keys of the scene that need a vehicle file or name no body of it, and for an
+    explicit method with one.
+    """
+    if file is None and scene.keys_of_vehicle_files:
+        raise SceneError(f"{', '.join(scene.keys_of_vehicle_files)}: allowed only with a vehicle file (--vehicle)")
+    if file is not None and scene.solver.method not in ("rosenbrock", "rosenbrock4"):
+        text = f'solver.method = "{scene.solver.method}": must be "rosenbrock" or "rosenbrock4" with a vehicle file'
+        raise SceneError(f"{text}: the spin of its wheelsets on the creep forces is stiff")
+    vehicle = vehicle_on(scene, file)
+    for body in scene.kick or {}:
+        if body not in vehicle.names:
+            raise SceneError(f"kick.{body}: must be one of {', '.join(vehicle.names)}, the bodies of {file}")
+    applied_loads(scene, vehicle)  # validates them
+    return replace(vehicle, speed_hold=None) if scene.vehicle.free_speed else vehicle
+
+
+def simulate_on_track(
+    scene: RunScene,
+    vehicle: Vehicle,
+    contact: VehicleContact,
+    end: float,
+    recording: Recording,
+    progress: Progress,
+    structure: Structure | None = None,
+) -> History:
+    """Motion of a vehicle along the track of a scene.
+
+    Parameters:
+        scene: of the run.
+        vehicle: from `vehicle_for_run`.
+        contact: of its wheels.
+        end: s, at which the reference motion reaches the end of the track.
+        recording: rows and checkpoints.
+        progress: called at each accepted step.
+        structure: axle and rails, where they are elastic.
+
+    A vehicle that runs free does so until it reaches the end of the track itself, or stops. Raises RunFailed when a
+    kicked vehicle has no equilibrium to start from, and SceneError as `run_track`.
+    """
+    from wheelrail.vehicle.integration.integrate import StepSettings
+    from wheelrail.vehicle.multibody.equations import VehicleDynamics
+    from wheelrail.vehicle.simulation.limit_cycle import kicked
+    from wheelrail.vehicle.simulation.limits import SLOWEST
+    from wheelrail.vehicle.simulation.simulate import simulate
+    from wheelrail.vehicle.steady.start_state import start_state
+
+    rails, initial, until = run_track(scene, vehicle), None, inf
+    loads = applied_loads(scene, vehicle)
+    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile, structure, loads)
+    if dynamics.runs_free:
+        until = scene.track.length
+        end = until / SLOWEST
+    resumed = recording.checkpoints is not None and recording.checkpoints.latest is not None
+    if scene.kick and not resumed:
+        with failures_as_run_failed():
+            at_start = replace(dynamics, speed=scene.vehicle.first_speed)
+            initial = kicked(dynamics.coordinates, start_state(at_start), scene.kick)
+    return simulate(
+        dynamics,
+        (0.0, end),
+        initial=initial,
+        steps=StepSettings(scene.solver.method, scene.solver.rtol, scene.solver.atol),
+        recording=recording,
+        progress=progress,
+        until=until,
+    )
 
 
 def write_results(history: History, text: str, folder: Path, scene: RunScene, vehicle: Path | None) -> Iterator[Path]:
@@ -199,17 +264,16 @@ def write_results(history: History, text: str, folder: Path, scene: RunScene, ve
         write(data, folder / RESULTS)
     yield folder / RESULTS
     if scene.output.figures:
-        from wheelrail.scenes.plots import runs, vehicle_runs
+        from wheelrail.scenes.plots.runs import draw_figures
 
-        pictures = runs.PICTURES if vehicle is None else vehicle_runs.pictures_of(data)
         try:
-            yield from runs.draw_figures(data, folder, pictures)
+            yield from draw_figures(data, folder)
         except KeyboardInterrupt:  # the results are already written
             return
 
 
 def run_dataset(history: History, text: str, scene: RunScene, file: Path | None = None) -> Dataset:
-    """Dataset of a run with wear, and the files of its scene; of the plane wagon with the energy balance.
+    """Dataset of a run with the files of its scene, and the energy balance where it is known.
 
     Parameters:
         history: of the run.
@@ -218,22 +282,20 @@ def run_dataset(history: History, text: str, scene: RunScene, file: Path | None 
         file: of the vehicle, if any.
     """
     from wheelrail.scenes.datasets.run import dataset
-    from wheelrail.scenes.datasets.run_derived import wear, with_energy
+    from wheelrail.scenes.datasets.run_derived import with_energy
     from wheelrail.scenes.runs.resume import inputs
-    from wheelrail.scenes.runs.vehicle_run import vehicle_run_dataset
+    from wheelrail.vehicle.multibody.coordinates import X
 
+    vehicle = "" if file is None else read_text(file)
     facts = {
         "inputs": json.dumps(inputs(scene, file)),
         FILES: packed([(parse(text, "scene"), scene.model_dump())]),
         "sampling": _sampling(scene.output.interval),
     }
-    if file is not None:
-        return vehicle_run_dataset(history, text, scene, file).assign_attrs(facts)
-    data = dataset(history, scene=text)
-    data = data.assign(wear(data, scene.output.shear_yield)).assign_attrs(facts)
-    if scene.output.interval:  # the work between samples is unknown
-        return data
-    return with_energy(data, history)
+    data = dataset(history, scene=text, vehicle=vehicle, shear_yield=scene.output.shear_yield).assign_attrs(facts)
+    at_places = bool(history.dynamics.coordinates.held[:, X].all())
+    # The work between samples at an interval is unknown, and that of a force that moves bodies along the track.
+    return with_energy(data, history) if at_places and not scene.output.interval else data
 
 
 def _sampling(interval: float) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from wheelrail.scenes.datasets.number_text import fixed
 from wheelrail.scenes.datasets.result_table import Results, TextTable
-from wheelrail.scenes.datasets.run_schema import is_of_vehicle, read_run
+from wheelrail.scenes.datasets.run_file import read_run
 from wheelrail.scenes.runs.files import RESULTS
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.evaluation.running_safety import WINDOW, Assessed, WheelsetSafety, wheelset_safety
@@ -34,12 +34,12 @@ def safety_of(results: Path, start: float, end: float, alpha: float) -> Safety:
     """Assessed quantities by wheelset.
 
     Parameters:
-        results: run.nc of a vehicle file, or its folder.
+        results: run.nc, or its folder.
         start, end: m, of the section of track.
         alpha: of the limit of the sum of Y.
 
-    Samples without forces, of contacts that failed there, are left out. Raises SceneError for results of the plane
-    wagon, for a section of less than 2 m, and for one of which more than 2 m have no forces.
+    Samples without forces, of contacts that failed there, are left out. Raises SceneError for
+    a section of less than 2 m, and for one of which more than 2 m have no forces.
     """
     file = results / RESULTS if results.is_dir() else results
     return safety_of_data(read_run(file), file, start, end, alpha)
@@ -47,8 +47,6 @@ def safety_of(results: Path, start: float, end: float, alpha: float) -> Safety:
 
 def safety_of_data(data: Dataset, file: Path, start: float = 0.0, end: float = inf, alpha: float = 1.0) -> Safety:
     """The same of a Dataset; file: its place, for errors."""
-    if not is_of_vehicle(data):
-        raise SceneError(f"{file}: must contain a run of a vehicle file, by wheelrail run --vehicle")
     section = data.isel(time=(data["distance"].values >= start) & (data["distance"].values <= end))
     if section.sizes["time"] < 2 or not np.ptp(section["distance"].values) > 2.0:
         raise SceneError(f"{file}: must have results of more than 2 m between {start:g} and {end:g} m")

@@ -1,46 +1,95 @@
-"""Linear modes and steady-state curving of the wagon of a run."""
+"""Equilibrium, steady-state curving, linear modes and critical speed of the vehicle of a run."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from operator import itemgetter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from wheelrail.scenes.builders.vehicle import track, wagon
+import numpy as np
+
+from wheelrail.scenes.builders.vehicle import applied_loads, vehicle_on
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.datasets.number_text import significant
-from wheelrail.scenes.datasets.result_table import Column, ResultTable
+from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.interrupts import deferred_interrupts
 
 if TYPE_CHECKING:
+    from wheelrail.contact.kinematics.frames import Side
     from wheelrail.contact.results.result import Patch
-    from wheelrail.vehicle.steady.curving import SteadyCurving
+    from wheelrail.vehicle.multibody.equations import VehicleDynamics
+    from wheelrail.vehicle.multibody.wheel_forces import WheelForces, WheelsetForces
+    from wheelrail.vehicle.steady.critical_speed import CriticalSpeed
+    from wheelrail.vehicle.steady.equilibrium import Equilibrium
     from wheelrail.vehicle.steady.modes import Mode
     from wheelrail.vehicle.track.constant_curve import ConstantCurve
 
 
-def modes_of(scene: RunScene, speeds: Sequence[float]) -> list[list[Mode]]:
-    """Linear modes on straight level track with the contact, at speeds (n,), m/s.
+def vehicle_dynamics(scene: RunScene, file: Path | None, speed: float) -> VehicleDynamics:
+    """Equations of motion of the vehicle of a run on straight track, with torques and forces of time zero.
 
-    Raises RunFailed without an equilibrium.
+    Parameters:
+        scene: of a run.
+        file: vehicle file; None: the plane wagon of the scene.
+        speed: m/s.
+
+    Raises SceneError as `vehicle_on`.
     """
-    from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
-    from wheelrail.vehicle.steady.modes import modes
+    from wheelrail.vehicle.multibody.equations import VehicleDynamics
     from wheelrail.vehicle.track.track import Track
 
-    vehicle, (contact, structure) = wagon(scene), run_contact(scene)
+    vehicle = vehicle_on(scene, file)
+    loads, (contact, structure) = applied_loads(scene, vehicle), run_contact(scene)
+    return VehicleDynamics(vehicle, Track(), contact, speed, structure, loads).with_constant_loads(0.0)
+
+
+def modes_of(scene: RunScene, file: Path | None, speeds: Sequence[float]) -> list[list[Mode]]:
+    """Linear modes on straight level track at speeds (n,) m/s. Raises RunFailed without an equilibrium, SceneError."""
+    from wheelrail.vehicle.steady.critical_speed import modes_over_speed
+
+    dynamics = vehicle_dynamics(scene, file, speeds[0])
     with failures_as_run_failed():
-        return [modes(wagon_dynamics(vehicle, Track(), contact, speed, structure)) for speed in speeds]
+        return modes_over_speed(dynamics, speeds)
+
+
+def critical_speeds_of(
+    scene: RunScene, file: Path | None, speeds: tuple[float, float], places: int
+) -> list[CriticalSpeed | None]:
+    """Linear critical speeds on straight level track within a range, None without one: of strips, one for each place of
+    their lattice, otherwise a single one.
+
+    Parameters:
+        scene: of a run.
+        file: vehicle file; None: the plane wagon of the scene.
+        speeds: lowest and highest of the range, m/s.
+        places: of the lattice, evenly over the width of a strip.
+
+    Raises as above.
+    """
+    from wheelrail.contact.models.strip_places import at_places
+    from wheelrail.vehicle.steady.critical_speed import critical_speed
+
+    dynamics = vehicle_dynamics(scene, file, speeds[0])
+    try:
+        with failures_as_run_failed():
+            return [
+                critical_speed(replace(dynamics, contact=contact), speeds)
+                for contact in at_places(dynamics.contact, places)
+            ]
+    except ValueError as error:
+        raise RunFailed(str(error)) from error
 
 
 def curve_of(scene: RunScene) -> ConstantCurve:
     """The sharpest curve of the track, of 1001 stations."""
     from wheelrail.vehicle.track.constant_curve import ConstantCurve
 
-    line, length = track(scene), scene.track.length
+    line, length = scene.track.track(), scene.track.length
     s = max((length * i / 1000 for i in range(1001)), key=lambda s: abs(line.curvature(s)[0]))
     curvature, superelevation = line.curvature(s)[0], line.superelevation(s)[0]
     return ConstantCurve(
@@ -48,16 +97,17 @@ def curve_of(scene: RunScene) -> ConstantCurve:
     )
 
 
-def curving_of(scene: RunScene, speeds: Sequence[float]) -> list[SteadyCurving]:
-    """Steady-state curving at speeds (n,), m/s, by continuation in their order.
+def equilibria_of(
+    scene: RunScene, file: Path | None, speeds: Sequence[float], curve: ConstantCurve | None = None
+) -> list[Equilibrium]:
+    """Steady positions at speeds (n,) m/s on straight level track, or in a curve. Raises as `modes_of`."""
+    from wheelrail.vehicle.steady.equilibrium import curve_dynamics, equilibrium
 
-    Raises RunFailed without an equilibrium.
-    """
-    from wheelrail.vehicle.steady.curving import curving_over
-
-    curve, (contact, structure) = curve_of(scene), run_contact(scene)
+    dynamics = vehicle_dynamics(scene, file, speeds[0])
+    if curve is not None:
+        dynamics = curve_dynamics(dynamics, curve)
     with failures_as_run_failed():
-        return curving_over(wagon(scene), contact, [replace(curve, speed=speed) for speed in speeds], structure)
+        return [equilibrium(replace(dynamics, speed=speed)) for speed in speeds]
 
 
 @contextmanager
@@ -94,11 +144,13 @@ _MODE = (
 )
 
 
-def curving_table(states: Sequence[SteadyCurving]) -> ResultTable:
-    """Table with one column per speed."""
-    curve = states[0].curve
+def curving_table(states: Sequence[Equilibrium], curve: ConstantCurve) -> ResultTable:
+    """Table of the plane wagon with one column per speed; curve: that of the states, at any speed."""
+    from wheelrail.vehicle.steady.curving import SteadyCurving
+
+    rows = [SteadyCurving(replace(curve, speed=at.dynamics.speed_profile(0.0).speed), at) for at in states]
     title = f"Steady-state curving: curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
-    return ResultTable("curving", title, _CURVING, states, across=True)
+    return ResultTable("curving", title, _CURVING, rows, across=True)
 
 
 def _positions(patches: Sequence[Patch]) -> list[list[float]]:
@@ -125,3 +177,104 @@ _CURVING = (
     Column("left_positions", "left: position on wheel, on rail", lambda s: _positions(s.patches["left"]), "mm", 1),
     Column("right_positions", "right: position on wheel, on rail", lambda s: _positions(s.patches["right"]), "mm", 1),
 )
+
+
+def critical_speed_results(found: Sequence[CriticalSpeed | None], speeds: tuple[float, float]) -> Results:
+    """Critical speed, frequency, wavelength and mode.
+
+    Parameters:
+        found: results, one for each place of the strips: their mean with its standard error.
+        speeds: range in which they were looked for, m/s.
+    """
+    facts: dict[str, Any] = {
+        "range": speeds,
+        "critical_speeds": [one and one.speed for one in found],
+        **dict.fromkeys(("critical_speed", "standard_error", "frequency", "wavelength", "kinetic_energy")),
+    }
+    lines = _critical_speed(found, speeds, facts)
+    return Results("critical", ["\n".join(lines)], facts, CRITICAL_UNITS)
+
+
+CRITICAL_UNITS = {
+    **dict.fromkeys(("range", "critical_speeds", "critical_speed", "standard_error"), "m/s"),
+    "frequency": "Hz",
+    "wavelength": "m",
+    "kinetic_energy": "1",
+}
+
+
+def _critical_speed(
+    found: Sequence[CriticalSpeed | None], speeds: tuple[float, float], facts: dict[str, Any]
+) -> list[str]:
+    """Lines of text; enters the mean of the critical speeds, its error and the mode, if there is one, in the facts."""
+    low, high = (f"{speed:g} m/s" for speed in speeds)
+    known = [one for one in found if one is not None]
+    if len(known) < len(found):
+        some = "" if not known else f" at {len(found) - len(known)} of {len(found)} places of the strips"
+        return [f"no linear critical speed from {low} to {high}{some}: all modes above 0.8 Hz are damped"]
+    lowest = min(known, key=lambda one: one.speed)
+    if lowest.speed == speeds[0]:
+        return [f"already unstable at {low}: {lowest.mode}"]
+    values = np.array([one.speed for one in known])
+    critical = known[int(np.argmin(np.abs(values - values.mean())))]
+    mode, error, places = critical.mode, "", ""
+    facts |= {
+        "critical_speed": values.mean(),
+        "frequency": mode.frequency,
+        "wavelength": critical.wavelength,
+        "kinetic_energy": dict(zip(mode.names, mode.energy_fraction, strict=True)),
+    }
+    if len(values) > 1:
+        facts["standard_error"] = values.std(ddof=1) / np.sqrt(len(values))
+        error = f" ± {facts['standard_error']:.2f}"
+        places = f", mean of {len(values)} places of the strips ({values.min():.2f} to {values.max():.2f} m/s)"
+    return [
+        f"linear critical speed: {values.mean():.2f}{error} m/s ({3.6 * values.mean():.1f} km/h){places}",
+        f"frequency: {mode.frequency:.3f} Hz, wavelength: {critical.wavelength:.2f} m",
+        f"kinetic energy in: {mode.main_coordinates}",
+    ]
+
+
+def _wheels(value: Callable[[WheelForces], float]) -> Callable[[tuple[str, WheelsetForces]], dict[Side, float]]:
+    return lambda row: {side: value(wheel) for side, wheel in row[1].wheels.items()}
+
+
+_WHEELSET = (
+    Column("wheelset", "wheelset", lambda row: row[0]),
+    Column("y", "lateral displacement y", lambda row: row[1].y, "mm", 3),
+    Column("yaw", "yaw", lambda row: row[1].yaw, "mrad", 3),
+    Column("wheel_load", "wheel load Q, left, right", _wheels(lambda wheel: wheel.vertical), "kN", 2),
+    Column("guiding_force", "guiding force Y, positive outwards", _wheels(lambda wheel: wheel.guiding), "kN", 2),
+    Column("derailment_quotient", "derailment quotient Y/Q", _wheels(lambda w: w.derailment_quotient), "1", 3),
+    Column("track_shifting_force", "sum of Y, positive to the right", lambda row: row[1].track_shifting, "kN", 2),
+    Column("longitudinal_force", "longitudinal force on the wheel", _wheels(lambda w: w.longitudinal), "kN", 2),
+    Column("wear_number", "wear number T gamma", _wheels(lambda wheel: wheel.wear_number), "N", 1),
+)
+
+
+def wheelsets_table(at: Equilibrium, curve: ConstantCurve | None = None) -> ResultTable:
+    """Table of attitude and forces with one column per wheelset; curve for its title."""
+    from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
+
+    speed = at.dynamics.speed_profile(0.0).speed
+    where = "straight track" if curve is None else f"curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
+    rows = list(wheelset_forces(at.dynamics, at.state, at.contacts).items())
+    columns = [*_WHEELSET, Column("speed", "", lambda row: speed, "m/s")]
+    return ResultTable("wheelsets", f"Wheelsets at {speed:g} m/s: {where}", columns, rows, across=True)
+
+
+def bodies_table(at: Equilibrium) -> ResultTable:
+    """Table of the positions of all bodies."""
+    from wheelrail.vehicle.multibody.vehicle import COORDINATES
+
+    speed = at.dynamics.speed_profile(0.0).speed
+    position, _, _ = at.dynamics.coordinates.split(at.state)
+    wheelsets, rows = at.dynamics.vehicle.wheelsets, []
+    for name, q in zip(at.dynamics.vehicle.names, position.tolist(), strict=True):
+        pitch = {"pitch": None} if name in wheelsets else {}  # they roll
+        rows.append({"speed": speed, "body": name, **dict(zip(COORDINATES, q, strict=True)), **pitch})
+    columns = [Column("speed", "", itemgetter("speed"), "m/s"), Column("body", "body", itemgetter("body"))]
+    for name in COORDINATES:
+        columns.append(Column(name, name, itemgetter(name), "mm" if name in "xyz" else "mrad"))
+    title = "Positions from the nominal ones, each in the track frame at its own distance"
+    return ResultTable("bodies", title, columns, rows)

@@ -28,24 +28,24 @@ def draw_track(scene: RunScene, file: Path, vehicle: Path | None = None) -> None
     from wheelrail.scenes.builders.vehicle import vehicle_on
 
     with styled():
-        save(track_figure(scene, None if vehicle is None else vehicle_on(scene, vehicle)), file)
+        save(track_figure(scene, vehicle_on(scene, vehicle)), file)
 
 
-def track_figure(scene: RunScene, vehicle: Vehicle | None = None) -> Figure:
+def track_figure(scene: RunScene, vehicle: Vehicle) -> Figure:
     """Plan view, curvature, cant and cant deficiency, gradient and height, irregularities over distance.
 
     Parameters:
         scene: of a run.
-        vehicle: the one at whose front wheelset irregularities begin; None: the scene's wagon.
+        vehicle: at whose front wheelset irregularities begin.
     """
     from matplotlib.figure import Figure
 
-    from wheelrail.scenes.builders.vehicle import track_before, wagon
+    from wheelrail.scenes.builders.vehicle import run_track, wagon
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import centre_line
 
     alignment, speed_profile = scene.track, SpeedProfile.of(scene.vehicle.speed_profile)
-    track = alignment.track() if vehicle is None else track_before(scene, vehicle)
+    track = run_track(scene, vehicle)
     gravity = wagon(scene).gravity
     irregularities = track.irregularities
     s = np.linspace(0.0, alignment.length, POINTS, dtype=np.float64)

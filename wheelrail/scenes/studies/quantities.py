@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wheelrail.scenes.datasets.run_schema import of_wagon
+
 if TYPE_CHECKING:
     from xarray import Dataset
 
@@ -168,7 +170,9 @@ def of_run(data: Dataset) -> tuple[dict[str, dict[str, float]], dict[str, float]
             "newton_iterations": float(side_data["newton_iterations"]),
             "solve_seconds": float(side_data["contact_seconds"]),
         }
-    run_values = {name: _summed(data[variable].values, statistic) for name, (variable, statistic, _, _) in RUN.items()}
+    run_values = {
+        name: _summed(of_wagon(data, variable).values, statistic) for name, (variable, statistic, _, _) in RUN.items()
+    }
     run_values |= {name: float(data.attrs[name]) for name in ("steps_accepted", "steps_rejected", "evaluations")}
     return sides, run_values | {"run_seconds": float(data.attrs["seconds"])}
 
@@ -177,11 +181,9 @@ def histories_of(data: Dataset) -> dict[str, Any]:
     """Time histories of a run by name: values (time,) or (time, side), with unit and description."""
     histories = {}
     for name in ("time", *HISTORIES, *SIDED_HISTORIES):
-        attrs = data[name].attrs
-        histories[name] = {
-            "values": data[name].values.tolist(),
-            "units": attrs["units"],
-            "long_name": attrs["long_name"],
+        values = of_wagon(data, name)
+        histories[name] = {"values": values.values.tolist()} | {
+            key: values.attrs[key] for key in ("units", "long_name")
         }
     return histories
 

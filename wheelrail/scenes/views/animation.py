@@ -1,11 +1,11 @@
-"""Animation of a run: the wheelset on its rails, and close-ups of both contacts."""
+"""Animation of a wheelset in a run: on its rails, and close-ups of both contacts."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.scenes.plots.style import PRESSURE_MAP
 from wheelrail.scenes.plots.style import SIDES as SIDE_STYLE
 from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
+from wheelrail.scenes.views.vehicle_poses import body_rotation
 from wheelrail.scenes.views.whole_bodies import rail_body, wheel_body, wheelset_body
 from wheelrail.support.arrays import Array
 
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
 
     from wheelrail.meshes.profiles.profile import Profile
 
-
-F = TypeVar("F", contravariant=True)
 
 FORMATS = (".mp4", ".gif")
 SCALE = 20.0  # displacement magnification factor in the upper pane
@@ -62,89 +61,75 @@ class RunBodies:
         return self.mounting.radius if self.radius is None else self.radius
 
 
-def animate_run(
-    data: Dataset,
-    file: Path,
-    bodies: RunBodies,
-    *,
-    frames: int = 120,
-    fps: float = 20.0,
-    scale: float = SCALE,
-    progress: Callable[[int, int], None] | None = None,
-) -> None:
-    """Write an animation of a run.
-
-    Parameters:
-        data: Dataset of the run, see `wheelrail.scenes.datasets.run`.
-        file: .mp4 or .gif.
-        bodies: profiles and mounting of wheel and rail.
-        frames: their number, evenly spaced in time.
-        fps: frames per second.
-        scale: displacement magnification factor in the upper pane; the rails move with the magnified wheelset, which
-            stays on them as computed.
-        progress: called with frames done and their number.
-
-    Upper pane: the wheelset from behind with forces on the wheels. Lower panes: both contacts to scale, patches as
-    ellipses coloured by load. Raises ValueError for another file ending, a run without samples, fewer than one frame.
-    """
-    check_options(data, file, frames, fps, scale)
-    time = data["time"].values
-    shown = np.searchsorted(time, np.linspace(time[0], time[-1], frames)).clip(0, len(time) - 1)
-    write_frames(Animation(data, bodies, scale), file, shown.tolist(), fps, progress)
-
-
-def check_options(data: Dataset, file: Path, frames: int, fps: float, scale: float) -> None:
-    """Raises ValueError for options of `animate_run` that are not allowed, and for a run without samples."""
+def check_options(file: Path, frames: int, fps: float, scale: float) -> None:
+    """Raises ValueError for options of an animation that are not allowed."""
     if file.suffix.lower() not in FORMATS:
         raise ValueError(f"{file}: must end in {' or '.join(FORMATS)}")
     if frames < 1 or not fps > 0 or not scale > 0:
         raise ValueError(f"frames, fps and scale must be positive, not {frames}, {fps:g} and {scale:g}")
-    if data.sizes["time"] == 0:
-        raise ValueError("the run must have at least one sample")
 
 
-class Animated(Protocol[F]):
-    """A picture of several frames."""
+class Animated(Protocol):
+    """A picture of a run at any time."""
 
     view: Any
 
-    def show(self, frame: F) -> None:
-        """Draw a frame."""
+    def show(self, time: float) -> None:
+        """Draw the run at a time, s."""
 
 
 def write_frames(
-    animation: Animated[F], file: Path, shown: Sequence[F], fps: float, progress: Callable[[int, int], None] | None
+    animation: Animated, file: Path, times: Sequence[float], fps: float, progress: Callable[[int, int], None] | None
 ) -> None:
-    """Draw frames and write them to a file, .mp4 or .gif; parameters as for `animate_run`."""
+    """Draw frames and write them to a file.
+
+    Parameters:
+        animation: of the run.
+        file: .mp4 or .gif.
+        times: of the frames, s.
+        fps: frames per second.
+        progress: called with frames done and their number.
+    """
     view = animation.view
     try:
         if file.suffix.lower() == ".mp4":
             view.open_movie(str(file), framerate=fps, quality=7)
         else:
             view.open_gif(str(file), fps=fps)
-        for count, frame in enumerate(shown):
-            animation.show(frame)
+        for count, time in enumerate(times):
+            animation.show(time)
             view.write_frame()
             if progress is not None:
-                progress(count + 1, len(shown))
+                progress(count + 1, len(times))
     finally:
         view.close()
 
 
 @dataclass
 class Animation:
-    """Plotter of an animation; bodies are meshed once, and `show` moves them to a sample of the data.
+    """Plotter of an animation; bodies are meshed once, and `show` moves them to the sample at a time or after it.
 
-    Parameters as for `animate_run`; view: the PyVista plotter.
+    Parameters:
+        data: Dataset of the run, see `wheelrail.scenes.datasets.run`.
+        bodies: profiles and mounting of wheel and rail.
+        wheelset: its name.
+        scale: displacement magnification factor in the upper pane; the rails move with the magnified wheelset, which
+            stays on them as computed.
+        view: the PyVista plotter.
+
+    Upper pane: the wheelset from behind with forces on the wheels. Lower panes: both contacts to scale, patches as
+    ellipses coloured by load.
     """
 
     data: Dataset
     bodies: RunBodies
+    wheelset: str
     scale: float = SCALE
     view: Any = field(init=False)
 
     def __post_init__(self) -> None:
         self.view = plotter("1/2", size=(1024, 768), off_screen=True)
+        self.data = self.data.sel(wheelset=self.wheelset, body=self.wheelset)
         values = {name: self.data[name].values for name in ("vertical_force", "lateral_force", "patch_normal_force")}
         largest = [float(np.nanmax(np.abs(v), initial=1.0)) for v in values.values()]
         self._force, self._load = max(largest[:2]), largest[2]
@@ -154,21 +139,20 @@ class Animation:
         for pane, side in zip((0, 1), SIDES, strict=True):
             self._close(pane, side)
 
-    def show(self, index: int) -> None:
-        """Move bodies, forces and patches to a sample."""
-        sample = self.data.isel(time=index)
-        y, z, roll = (float(sample[f"wheelset_{name}"]) for name in ("y", "z", "roll"))
-        pitch = float(sample["wheelset_pitch"])
-        scale, mounting = self.scale, self.bodies.mounting
-        self._axle.user_matrix = _pose(scale * y, mounting.radius + scale * z, scale * roll, pitch)
-        magnification = magnified(y, mounting.radius + z, roll, scale, mounting.radius)
+    def show(self, time: float) -> None:
+        """Move bodies, forces and patches to the sample at a time, s, or after it."""
+        sample = self.data.isel(time=min(int(np.searchsorted(self.data["time"], time)), self.data.sizes["time"] - 1))
+        y, z, roll, pitch, yaw = (float(sample[f"body_{name}"]) for name in ("y", "z", "roll", "pitch", "yaw"))
+        scale, mounting, distance = self.scale, self.bodies.mounting, float(sample["distance"])
+        turn = pitch + distance / float(self.data.attrs["nominal_radius"])
+        self._axle.user_matrix = _pose(scale * y, mounting.radius + scale * z, scale * roll, turn, scale * yaw)
+        magnification = magnified(y, mounting.radius + z, roll, yaw, scale, mounting.radius)
         for rail in self._rails:
             rail.user_matrix = magnification
-        distance = float(self.data["distance"].values[index])
         self._sleepers.position = (-(distance % 0.6), 0.0, 0.0)
         for side in SIDES:
             sign = 1.0 if side == "left" else -1.0
-            self._wheels[side].user_matrix = _pose(y, mounting.radius + z, roll, 0.0)
+            self._wheels[side].user_matrix = _pose(y, mounting.radius + z, roll, 0.0, yaw)
             force = sample.sel(side=side)
             start = (magnification @ [-ARROW_OFFSET, sign * self.bodies.on(side).mounting.rail_y, 0.03, 1.0])[:3]
             self._arrow(f"Q {side}", start, np.array([0.0, 0.0, float(force["vertical_force"])]))
@@ -176,11 +160,9 @@ class Animation:
             self._patches(side, sign, force)
             forces = [1e-3 * float(force[f"{axis}_force"]) for axis in ("vertical", "lateral")]
             self._text(side, f"{side} wheel, to scale    Q {forces[0]:6.1f} kN    Y {forces[1]:6.1f} kN")
-        curve, time = float(sample["curvature"]), float(self.data["time"].values[index])
-        track = "straight" if abs(curve) < 1e-9 else f"radius {1 / abs(curve):.0f} m {'left' if curve > 0 else 'right'}"
         self._text(
             "whole",
-            f"{time:7.2f} s   {distance:8.1f} m   {float(sample['speed']):5.1f} m/s   {track}\n"
+            f"{place(sample)}\n"
             f"wheelset y = {1e3 * y:+.2f} mm ({to_side(y)}), roll {1e3 * roll:+.3f} mrad, "
             f"{'to scale' if scale == 1.0 else f'magnified x {scale:g} with its rails'}",
         )
@@ -280,27 +262,33 @@ class Animation:
         self.view.add_text(text, name=f"text {pane}", font_size=9, color="black", position="upper_left", render=False)
 
 
+def place(sample: Mapping[Any, Any]) -> str:
+    """Time, distance, speed and curve at one time in words; sample: their values by name."""
+    time, distance, speed, curve = (float(sample[name]) for name in ("time", "distance", "speed", "curvature"))
+    track = "straight" if abs(curve) < 1e-9 else f"radius {1 / abs(curve):.0f} m {'left' if curve > 0 else 'right'}"
+    return f"{time:7.2f} s   {distance:8.1f} m   {speed:5.1f} m/s   {track}"
+
+
 def to_side(y: float) -> str:
     """Side to which a lateral displacement points."""
     return "to the left" if y >= 0.0 else "to the right"
 
 
-def magnified(y: float, z: float, roll: float, scale: float, radius: float) -> Array:
+def magnified(y: float, z: float, roll: float, yaw: float, scale: float, radius: float) -> Array:
     """Matrix (4, 4) that moves wheelset and rails from the computed place to the drawn one.
 
     Parameters:
-        y, z, roll: of the wheelset, m and rad, z of its axle.
+        y, z, roll, yaw: of the wheelset, m and rad, z of its axle.
         scale: displacement magnification factor.
         radius: height of the undisplaced axle, m.
     """
-    drawn = _pose(scale * y, radius + scale * (z - radius), scale * roll, 0.0)
-    return np.asarray(drawn @ np.linalg.inv(_pose(y, z, roll, 0.0)))
+    drawn = _pose(scale * y, radius + scale * (z - radius), scale * roll, 0.0, scale * yaw)
+    return np.asarray(drawn @ np.linalg.inv(_pose(y, z, roll, 0.0, yaw)))
 
 
-def _pose(y: float, z: float, roll: float, pitch: float) -> Array:
-    """Matrix (4, 4): rotation by pitch about y, then by roll about x, and translation."""
-    c, s, cp, sp = np.cos(roll), np.sin(roll), np.cos(pitch), np.sin(pitch)
+def _pose(y: float, z: float, roll: float, pitch: float, yaw: float) -> Array:
+    """Matrix (4, 4): rotation by pitch about y, then by roll about x and yaw about z, and translation."""
     matrix = np.eye(4)
-    matrix[:3, :3] = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) @ [[cp, 0, sp], [0, 1, 0], [-sp, 0, cp]]
+    matrix[:3, :3] = body_rotation(roll, pitch, yaw)
     matrix[:3, 3] = 0.0, y, z
     return matrix

@@ -1,10 +1,8 @@
-"""Animation of a run of a vehicle file: all bodies on the track with its curves and cant, wheels coloured by load."""
+"""Animation of a run: all bodies on the track with its curves and cant, wheels coloured by load."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +10,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.scenes.plots.style import PRESSURE_MAP
 from wheelrail.scenes.plots.style import SIDES as SIDE_STYLE
-from wheelrail.scenes.views.animation import RAIL, STEEL, RunBodies, check_options, write_frames
+from wheelrail.scenes.views.animation import RAIL, STEEL, RunBodies, place
 from wheelrail.scenes.views.plotter import colour_bar, plotter, pyvista
 from wheelrail.scenes.views.vehicle_poses import DrawnVehicle, body_rotation, equal_box
 from wheelrail.scenes.views.whole_bodies import AXLE, wheel_body
@@ -46,7 +44,8 @@ class VehicleAnimation:
         scale: displacement magnification factor.
         view: the PyVista plotter.
 
-    Coordinates and forces are linear in time between samples of the data.
+    Above: the vehicle from behind on the right; below: from above. Frames and shells stand for bodies, with the sizes
+    of `equal_box`. Coordinates and forces are linear in time between samples of the data.
     """
 
     data: Dataset
@@ -99,7 +98,7 @@ class VehicleAnimation:
             matrix[:3, :3], matrix[:3, 3] = poses.axes[i], poses.position[i]
             if body.wheelset:
                 turn = np.eye(4)
-                turn[:3, :3] = body_rotation(np.array(0.0), np.array(spin % (2 * np.pi)), np.array(0.0))
+                turn[:3, :3] = body_rotation(0.0, spin % (2 * np.pi), 0.0)
                 matrix = matrix @ turn
             for actor in self._actors[name]:
                 actor.user_matrix = matrix
@@ -209,15 +208,13 @@ class VehicleAnimation:
 
     def _texts(self, time: float, distance: float, load: Array) -> None:
         """State in words, and the names of the rails where the track ends."""
-        curve = float(np.interp(time, self._time, self.data["curvature"].values))
-        speed = float(np.interp(time, self._time, self.data["speed"].values))
-        track = "straight" if abs(curve) < 1e-6 else f"radius {1 / abs(curve):.0f} m {'left' if curve > 0 else 'right'}"
         size = "to scale" if self.scale == 1.0 else f"magnified x {self.scale:g}"
-        cant = 1e3 * abs(float(np.interp(time, self._time, self.data["lift"].values)))
+        names = ("distance", "speed", "curvature", "lift")
+        now = {name: np.interp(time, self._time, self.data[name].values) for name in names} | {"time": time}
         self.view.subplot(1)
         self._text(
             "whole",
-            f"{time:7.2f} s   {distance:8.1f} m   {speed:5.1f} m/s   {track}, cant {cant:.0f} mm\n"
+            f"{place(now)}, cant {1e3 * abs(float(now['lift'])):.0f} mm\n"
             f"displacements {size}; x forward, y to the left, z upwards; "
             f"wheel loads {np.nanmin(load):.1f} to {np.nanmax(load):.1f} kN",
         )
@@ -226,9 +223,9 @@ class VehicleAnimation:
         for pane in (0, 1):
             self.view.subplot(pane)
             for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
-                place = front.position[0] + front.axes[0] @ [0.3, sign * (y + 0.5), 0.1]
+                end = front.position[0] + front.axes[0] @ [0.3, sign * (y + 0.5), 0.1]
                 self.view.add_point_labels(
-                    place[None],
+                    end[None],
                     [side],
                     name=f"{side} {pane}",
                     text_color=SIDE_STYLE[side]["color"],
@@ -255,36 +252,3 @@ def frame(length: float, beams: float) -> Any:
     half = 0.5 * BEAM
     boxes = [pyvista().Box((-0.5 * length, 0.5 * length, y - half, y + half, -half, half)) for y in (beams, -beams)]
     return pyvista().merge([*boxes, pyvista().Box((-BEAM, BEAM, -beams, beams, -half, half))])
-
-
-def animate_vehicle(
-    data: Dataset,
-    file: Path,
-    bodies: RunBodies,
-    vehicle: Vehicle,
-    track: Track,
-    *,
-    frames: int = 120,
-    fps: float = 20.0,
-    scale: float = SCALE,
-    progress: Callable[[int, int], None] | None = None,
-) -> None:
-    """Write an animation of a run of a vehicle.
-
-    Parameters:
-        data: Dataset of the run, see `wheelrail.scenes.datasets.run`.
-        file: .mp4 or .gif.
-        bodies: profiles and mounting of wheel and rail.
-        vehicle, track: of the run.
-        frames: their number, evenly spaced in time.
-        fps: frames per second.
-        scale: magnification factor of displacements, see `wheelrail.scenes.views.vehicle_poses.DrawnVehicle`.
-        progress: called with frames done and their number.
-
-    Above: the vehicle from behind on the right; below: from above. Wheels have the colour of their load; frames and
-    shells stand for bodies, with the sizes of `equal_box` there. Raises ValueError as `animate_run`.
-    """
-    check_options(data, file, frames, fps, scale)
-    time = data["time"].values
-    shown = np.linspace(time[0], time[-1], frames).tolist()
-    write_frames(VehicleAnimation(data, bodies, vehicle, track, scale), file, shown, fps, progress)

@@ -112,8 +112,8 @@ def rotate(matrices: Array, vectors: Array) -> Array:
     return np.asarray(np.einsum("nij,nj->ni", matrices, vectors))
 
 
-def body_rotation(roll: Array, pitch: Array, yaw: Array) -> Array:
-    """Rz(yaw) Rx(roll) Ry(pitch) (n, 3, 3) of angles (n,) rad."""
+def body_rotation(roll: Array | float, pitch: Array | float, yaw: Array | float) -> Array:
+    """Rz(yaw) Rx(roll) Ry(pitch) (..., 3, 3) of angles (...) rad."""
     from scipy.spatial.transform import Rotation
 
     return np.asarray(Rotation.from_euler("ZXY", np.stack([yaw, roll, pitch], axis=-1)).as_matrix())

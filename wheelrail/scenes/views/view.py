@@ -7,17 +7,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from wheelrail.scenes.builders.loaded_bodies import loaded_bodies
+from wheelrail.scenes.builders.vehicle import vehicle_on
 from wheelrail.scenes.builders.vehicle_file import parse_vehicle
 from wheelrail.scenes.builders.wheelset import inclined_profiles, mounted
 from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
-from wheelrail.scenes.datasets.input_files import unpacked
+from wheelrail.scenes.datasets.input_files import scene_of_run
 from wheelrail.scenes.datasets.number_text import significant
-from wheelrail.scenes.datasets.run_schema import is_of_vehicle, read_run
+from wheelrail.scenes.datasets.run_file import read_run
+from wheelrail.scenes.datasets.run_schema import is_of_wagon
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import Side
-from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene, checked
-from wheelrail.scenes.schema.toml import parse
+from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
 from wheelrail.scenes.views.plotter import pyvista
 
 if TYPE_CHECKING:
@@ -25,7 +28,8 @@ if TYPE_CHECKING:
 
     from wheelrail.contact.stress.fields import BodyFields
     from wheelrail.scenes.contacts.side_solution import SideSolution
-    from wheelrail.scenes.views.animation import RunBodies
+    from wheelrail.scenes.views.animation import Animated, RunBodies
+    from wheelrail.scenes.views.vehicle_animation import VehicleAnimation
     from wheelrail.vehicle.multibody.vehicle import Vehicle
 
 
@@ -176,7 +180,7 @@ def bodies_of(scene: HertzScene | WheelsetScene, body: str) -> tuple[str, ...]:
 
 
 def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | None = None, **options: Any) -> None:
-    """Write an animation of the results of a run, of the plane wagon or of a vehicle file.
+    """Write an animation of the results of a run.
 
     Parameters:
         file: run.nc or its folder.
@@ -186,8 +190,7 @@ def animate_file(file: Path, out: Path, progress: Callable[[int, int], None] | N
     Raises OSError for a file that cannot be written, SceneError for one without results of a run.
     """
     results = file / "run.nc" if file.is_dir() else file
-    data = read_run(results)
-    animate_data(data, results, out, progress, **options)
+    animate_data(read_run(results), results, out, progress, **options)
 
 
 def animate_data(
@@ -196,36 +199,55 @@ def animate_data(
     out: Path,
     progress: Callable[[int, int], None] | None = None,
     *,
+    frames: int = 120,
+    fps: float = 20.0,
     scale: float | None = None,
-    **options: Any,
 ) -> None:
-    """Write an animation of a run.
+    """Write an animation of a run: of the plane wagon its wheelset, of another vehicle all bodies.
 
     Parameters:
         data: its Dataset.
         file: results, for errors; of an earlier version, paths in the scene are relative to its folder.
         out: .mp4 or .gif.
+        progress: called with frames done and their number.
+        frames: their number, evenly spaced in time.
+        fps: frames per second.
         scale: displacement magnification factor; None: 20 for the wheelset of the plane wagon, 10 for a vehicle.
-        progress, options: as for `wheelrail.scenes.views.animation.animate_run`.
 
-    Raises SceneError if files of the scene are missing.
+    Raises SceneError if files of the scene are missing, ValueError for options that are not allowed.
     """
-    from wheelrail.scenes.views import animation, vehicle_animation
+    from wheelrail.scenes.views.animation import Animation, check_options, write_frames
+
+    check_options(out, frames, fps, 1.0 if scale is None else scale)
+    options = {} if scale is None else {"scale": scale}
+    if is_of_wagon(data):
+        drawn: Animated = Animation(data, bodies_of_run(data, file), str(data["wheelset"].values[0]), **options)
+    else:
+        drawn = whole_vehicle(data, file, **options)
+    first, last = data["time"].values[[0, -1]].tolist()
+    write_frames(drawn, out, np.linspace(first, last, frames).tolist(), fps, progress)
+
+
+def whole_vehicle(data: Dataset, file: Path, **options: float) -> VehicleAnimation:
+    """All bodies of a run on their track.
+
+    Parameters:
+        data: Dataset of the run.
+        file: results, as for `bodies_of_run`.
+        options: scale of `VehicleAnimation`.
+    """
+    from wheelrail.scenes.views.vehicle_animation import VehicleAnimation
 
     scene = scene_of_run(data, file)
-    bodies = bodies_of_scene(scene)
-    if not is_of_vehicle(data):
-        animation.animate_run(data, out, bodies, progress=progress, scale=scale or animation.SCALE, **options)
-        return
-    vehicle, scale = vehicle_of_run(data, file), scale or vehicle_animation.SCALE
-    vehicle_animation.animate_vehicle(
-        data, out, bodies, vehicle, scene.track.track(), progress=progress, scale=scale, **options
-    )
+    return VehicleAnimation(data, bodies_of_scene(scene), vehicle_of_run(data, file), scene.track.track(), **options)
 
 
 def vehicle_of_run(data: Dataset, file: Path) -> Vehicle:
-    """Vehicle in three dimensions of a run, from its text in the results; parameters and errors as `bodies_of_run`."""
-    vehicle = parse_vehicle(data.attrs["vehicle"], file)
+    """Vehicle of a run, from its text in the results or the wagon of the scene; parameters and errors as
+    `bodies_of_run`.
+    """
+    text = data.attrs["vehicle"]
+    vehicle = parse_vehicle(text, file) if text else vehicle_on(scene_of_run(data, file))
     for name, own in (("body", vehicle.names), ("wheelset", vehicle.wheelsets)):
         if (expected := list(own)) != data[name].values.tolist():
             raise SceneError(f"{file}: {name}: must be those of its vehicle, {', '.join(expected)}")
@@ -242,14 +264,6 @@ def bodies_of_run(data: Dataset, file: Path) -> RunBodies:
     Raises SceneError if files of the scene are missing.
     """
     return bodies_of_scene(scene_of_run(data, file))
-
-
-def scene_of_run(data: Dataset, file: Path) -> RunScene:
-    """Scene of a run with the files stored in its results; parameters and errors as for `bodies_of_run`."""
-    scene = checked(unpacked(parse(data.attrs["scene"], file), data.attrs, file), file)
-    if not isinstance(scene, RunScene):
-        raise SceneError(f"{file}: must contain results of a run, as run.nc of wheelrail run does")
-    return scene
 
 
 def bodies_of_scene(scene: RunScene) -> RunBodies:
