@@ -34,8 +34,7 @@ from wheelrail.scenes.studies.run import run_study
 from wheelrail.scenes.studies.schema import check_study
 from wheelrail.scenes.studies.solve import CaseResult, solve
 from wheelrail.scenes.views import plotter as off_screen
-from wheelrail.scenes.views.run_snapshot import largest_force, sample_view
-from wheelrail.scenes.views.view import bodies_of_run
+from wheelrail.scenes.views.animation import largest_force
 
 SCENE = (Path(__file__).parents[2] / "scenes" / "curve.toml").read_text(encoding="utf-8")
 ALLOWED = "must be the folder of a run (run.nc, by wheelrail run), of a study (study.nc, by wheelrail study)"
@@ -242,8 +241,6 @@ def test_view_shows_the_largest_lateral_force() -> None:
     force = data["lateral_force"].copy()
     force[7, 0, 0] = 9e5
     assert largest_force(data.assign(lateral_force=force)) == (7, "wheelset")
-    with pytest.raises(IndexError, match="index = 40: the run has 40 samples"):
-        sample_view(data, 40, bodies_of_run(data, Path("run.nc")), "wheelset")
 
 
 def test_without_a_view(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

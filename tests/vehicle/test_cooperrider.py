@@ -19,7 +19,7 @@ from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.simulation.limit_cycle import CycleSearch, bisected_fold, fold_bracket, limit_cycles
 from wheelrail.vehicle.steady.critical_speed import critical_speed
-from wheelrail.vehicle.steady.equilibrium import curve_dynamics, equilibrium
+from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
@@ -67,7 +67,7 @@ def test_cycles_and_the_speed_at_which_they_vanish() -> None:
 
 
 def test_the_held_car_body_stays_on_the_centre_line_of_a_curve() -> None:
-    solution = equilibrium(curve_dynamics(dynamics(30.0, 9.81), ConstantCurve(30.0, 1e-3, 0.1)))
+    solution = equilibrium(replace(dynamics(30.0, 9.81), track=ConstantCurve(30.0, 1e-3, 0.1).track))
     assert solution.residual < 1e-7
     position, _, _ = solution.dynamics.coordinates.split(solution.state)
     assert position[0, [0, 1, 3, 4, 5]].tolist() == [0.0] * 5

@@ -16,9 +16,12 @@ from benchmarks.exudyn.linear_contact import LinearContact
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
-from wheelrail.vehicle.steady.curving import SteadyCurving, curving, curving_over
-from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError
+from wheelrail.vehicle.steady.curving import SteadyCurving
+from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, equilibria, equilibrium
 from wheelrail.vehicle.steady.steady_problem import SteadyProblem
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -26,6 +29,14 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 WAGON = Wagon()
 SPRINGS = LinearContact(WAGON.wheel_load)
 PAPER = ConstantCurve(45.0, 1 / 1200, 0.06)
+
+
+def dynamics(contact: VehicleContact, curve: ConstantCurve) -> VehicleDynamics:
+    return wagon_dynamics(WAGON, curve.track, contact, curve.speed)
+
+
+def curving(contact: VehicleContact, curve: ConstantCurve) -> SteadyCurving:
+    return SteadyCurving(curve, equilibrium(dynamics(contact, curve)))
 
 
 def on_paper(curve: ConstantCurve, contact: LinearContact = SPRINGS, *, simpler: bool = False) -> dict[str, float]:
@@ -120,7 +131,7 @@ def found_in(steady: SteadyCurving) -> dict[str, float]:
 def test_statics_in_closed_form(speed: float) -> None:
     """What statics leave out: squares of the angles, bodies that sink by 2 mm, speeds that differ over the height."""
     curve = replace(PAPER, speed=speed)
-    found, expected = found_in(curving(WAGON, SPRINGS, curve)), on_paper(curve)
+    found, expected = found_in(curving(SPRINGS, curve)), on_paper(curve)
     for name, scale in (("outer", 5e4), ("inner", 5e4), ("lateral", 1e4), ("stop", 3e3)):
         assert found[name] == pytest.approx(expected[name], abs=2e-3 * scale), name
     for name, scale in (("deflection", 0.05), ("aside", 0.07), ("roll", 0.02)):
@@ -142,7 +153,7 @@ def test_figures_of_the_design_data() -> None:
 @pytest.mark.parametrize("contact", [SPRINGS, CONTACT])
 def test_balance_of_the_whole_wagon(contact) -> None:  # type: ignore[no-untyped-def]
     """Load transfer: moments of all forces about the track's origin, with the gyroscopic moment J w V / R."""
-    steady = curving(WAGON, contact, PAPER)
+    steady = curving(contact, PAPER)
     w, (v, k) = WAGON.plane, (PAPER.speed, PAPER.curvature)
     a, n = PAPER.unbalanced(), v * v * k * sin(PAPER.angle) + w.gravity * cos(PAPER.angle)
     bodies = list(zip((w.car_body, w.bogie, w.wheelset), (steady.car_body, steady.bogie, steady.wheelset), strict=True))
@@ -160,7 +171,7 @@ def test_balance_of_the_whole_wagon(contact) -> None:  # type: ignore[no-untyped
 def test_speed_of_balance() -> None:
     speed = PAPER.balance_speed()
     assert speed**2 / 1200 / 9.81 == pytest.approx(np.tan(np.arcsin(0.04)), rel=1e-12)
-    steady = curving(WAGON, SPRINGS, replace(PAPER, speed=speed))
+    steady = curving(SPRINGS, replace(PAPER, speed=speed))
     assert abs(steady.lateral_force) < 1e-4 * 14.39e3
     assert PAPER.deficiency() == pytest.approx(0.198, abs=1e-4)
     assert replace(PAPER, speed=speed).deficiency() == pytest.approx(0.0, abs=1e-4)  # that formula takes sin for tan
@@ -170,7 +181,7 @@ def test_speed_of_balance() -> None:
 @pytest.mark.parametrize("contact", [SPRINGS, CONTACT])
 def test_right_hand_curve_is_the_mirror_image(contact) -> None:  # type: ignore[no-untyped-def]
     """Within the tolerance of the equilibrium, 1e-6 of the axle load."""
-    left, right = (curving(WAGON, contact, replace(PAPER, curvature=sign / 1200)) for sign in (1, -1))
+    left, right = (curving(contact, replace(PAPER, curvature=sign / 1200)) for sign in (1, -1))
     other = {"left": "right", "right": "left"}
     for name in ("wheel_load", "guiding_force", "derailment_quotient"):
         for side, value in getattr(left, name).items():
@@ -186,23 +197,22 @@ def test_right_hand_curve_is_the_mirror_image(contact) -> None:  # type: ignore[
 
 
 def test_continuation_over_speeds() -> None:
-    speeds = np.linspace(20.0, 50.0, 7)
-    curves = [replace(PAPER, speed=float(v)) for v in speeds]
+    curves = [replace(PAPER, speed=float(v)) for v in np.linspace(20.0, 50.0, 7)]
     together, alone = CountedContact(CONTACT), CountedContact(CONTACT)
-    found = curving_over(WAGON, together, curves)
-    each = [curving(WAGON, alone, curve) for curve in curves]
-    assert [s.curve for s in found] == curves
+    states = equilibria(dynamics(together, PAPER), [curve.speed for curve in curves])
+    found = [SteadyCurving(*own) for own in zip(curves, states, strict=True)]
+    each = [curving(alone, curve) for curve in curves]
     for one, other in zip(found, each, strict=True):
         assert one.wheel_load["right"] == pytest.approx(other.wheel_load["right"], rel=1e-5)
         assert one.car_body == pytest.approx(other.car_body, abs=1e-6)
     assert together.costs["left"].solves < 0.75 * alone.costs["left"].solves
     assert all(a.unloading < b.unloading for a, b in pairwise(found))
-    wider = curving_over(WAGON, CONTACT, [replace(PAPER, curvature=1 / r) for r in (800, 1200, 3000)])
+    wider = [curving(CONTACT, replace(PAPER, curvature=1 / r)) for r in (800, 1200, 3000)]
     assert [s.bumpstop_force > 0.0 for s in wider] == [True, True, False]
 
 
 def test_transient_run_as_initial_guess(monkeypatch: pytest.MonkeyPatch) -> None:
-    expected, starts = curving(WAGON, CONTACT, PAPER), []
+    expected, starts = curving(CONTACT, PAPER), []
     module = import_module("wheelrail.vehicle.steady.equilibrium")
     newton = module._newton
 
@@ -213,7 +223,7 @@ def test_transient_run_as_initial_guess(monkeypatch: pytest.MonkeyPatch) -> None
         return newton(problem, state, *options)
 
     monkeypatch.setattr(module, "_newton", stubborn)
-    found = curving(WAGON, CONTACT, PAPER)
+    found = curving(CONTACT, PAPER)
     assert len(starts) == 3  # from rest, on straight track, at the end of the run
     assert starts[2][:9] == pytest.approx(
         expected.equilibrium.state[:9], abs=2e-3
@@ -222,13 +232,13 @@ def test_transient_run_as_initial_guess(monkeypatch: pytest.MonkeyPatch) -> None
     assert found.equilibrium.iterations <= 6
 
 
-def test_no_equilibrium_names_the_curve() -> None:
+def test_no_equilibrium_names_the_speed() -> None:
     @FunctionContact
     def nothing(state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         return ContactResult.separated()
 
-    with pytest.raises(EquilibriumError, match=r"speed=45.0.*50 mm"):
-        curving_over(WAGON, nothing, [PAPER])
+    with pytest.raises(EquilibriumError, match=r"50 mm.*, at 45 m/s"):
+        equilibria(dynamics(nothing, PAPER), [45.0])
 
 
 @pytest.mark.parametrize(

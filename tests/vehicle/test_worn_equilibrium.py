@@ -17,10 +17,9 @@ from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.builders.wheelset import inclined_profiles, wheelset_contact
 from wheelrail.scenes.schema.scene import load_scene
-from wheelrail.vehicle import Track, VehicleDynamics, equilibrium
+from wheelrail.vehicle import VehicleDynamics, equilibrium
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.steady import continuation
-from wheelrail.vehicle.steady.equilibrium import curve_dynamics
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -63,7 +62,7 @@ def worn_vehicle() -> VehicleDynamics:
     pair = (worn_wheel(), rail)
     contact = wheelset_contact(scene, {"left": pair, "right": pair})  # type: ignore[arg-type]
     at = ConstantCurve(speed=25.0, curvature=1 / 600.0, cant=0.1)
-    return curve_dynamics(VehicleDynamics(vehicle, Track(), contact, 25.0), at)
+    return VehicleDynamics(vehicle, at.track, contact, at.speed)
 
 
 def test_equilibrium_on_worn_wheels() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
+from wheelrail.vehicle.steady.equilibrium import equilibria, equilibrium
 from wheelrail.vehicle.steady.modes import Mode, modes
 
 SLOWEST = 0.8  # Hz: slower modes, of creep along the track and of the speed hold, are no instability of the running
@@ -39,12 +39,7 @@ def modes_over_speed(dynamics: VehicleDynamics, speeds: Sequence[float]) -> list
 
     Raises EquilibriumError, StepFailure.
     """
-    by_speed, guess = [], None
-    for speed in speeds:
-        at = _equilibrium_at(dynamics, speed, guess)
-        by_speed.append(modes(at.dynamics, at))
-        guess = at.state
-    return by_speed
+    return [modes(at.dynamics, at) for at in equilibria(dynamics, speeds)]
 
 
 def least_damped(candidates: Iterable[Mode]) -> Mode:
@@ -79,7 +74,7 @@ def critical_speed(
     def growth(speed: float) -> float:
         nonlocal guess
         if speed not in at_speeds:
-            at = _equilibrium_at(dynamics, speed, guess)
+            at = equilibrium(replace(dynamics, speed=speed), guess=guess)
             guess, at_speeds[speed] = at.state, least_damped(modes(at.dynamics, at))
         return at_speeds[speed].eigenvalue.real
 
@@ -93,7 +88,3 @@ def critical_speed(
             growth(speed)
             return CriticalSpeed(speed, at_speeds[speed])
     return None
-
-
-def _equilibrium_at(dynamics: VehicleDynamics, speed: float, guess: Array | None) -> Equilibrium:
-    return equilibrium(replace(dynamics, speed=speed), guess=guess)

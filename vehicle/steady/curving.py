@@ -1,31 +1,24 @@
-"""Steady-state curving: wheel forces and positions of the bodies."""
+"""Steady-state curving of the plane wagon: wheel forces and positions of the bodies."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.results.result import Patch
-from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import wheelset_wrenches
-from wheelrail.vehicle.multibody.plane_wagon import COUNT, WHEELSET, wagon_dynamics
+from wheelrail.vehicle.multibody.plane_wagon import WHEELSET
 from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
-from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, equilibrium
+from wheelrail.vehicle.steady.equilibrium import Equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
-from wheelrail.vehicle.wagon.wagon import Wagon
-
-if TYPE_CHECKING:
-    from wheelrail.contact.loading.structure import Structure
 
 
 @dataclass(frozen=True)
 class SteadyCurving:
-    """Steady-state solution in a curve, in the track's axes; lateral quantities are positive to the left.
+    """Steady-state solution of the plane wagon in a curve, in the track's axes; lateral values positive to the left.
 
     Parameters:
         curve: curve and speed.
@@ -108,59 +101,3 @@ class SteadyCurving:
     def patches(self) -> dict[Side, tuple[Patch, ...]]:
         """Contact patches by side."""
         return {side: wheel.patches for side, wheel in self.forces.wheels.items()}
-
-
-def curving(
-    wagon: Wagon,
-    contact: VehicleContact,
-    curve: ConstantCurve,
-    structure: Structure | None = None,
-    *,
-    before: SteadyCurving | None = None,
-) -> SteadyCurving:
-    """Steady-state solution in a curve.
-
-    Parameters:
-        wagon: masses and suspension.
-        contact: model of the wheel-rail contacts.
-        curve: curve and speed.
-        structure: axle and rails that move with the contact's loads.
-        before: solution of a similar curve, used as initial guess.
-
-    Raises EquilibriumError.
-    """
-    dynamics = wagon_dynamics(wagon, curve.track, contact, curve.speed, structure)
-    guess = None if before is None else _scaled_guess(before, curve)
-    return SteadyCurving(curve, equilibrium(dynamics, guess=guess))
-
-
-def curving_over(
-    wagon: Wagon,
-    contact: VehicleContact,
-    curves: Iterable[ConstantCurve],
-    structure: Structure | None = None,
-) -> list[SteadyCurving]:
-    """Steady-state solutions of a series of curves, each the initial guess of the next one.
-
-    Parameters:
-        wagon: masses and suspension.
-        contact: model of the wheel-rail contacts.
-        curves: in order of speed, radius or cant.
-        structure: axle and rails that move with the contact's loads.
-
-    Raises EquilibriumError naming the curve.
-    """
-    solutions: list[SteadyCurving] = []
-    for curve in curves:
-        try:
-            solutions.append(curving(wagon, contact, curve, structure, before=solutions[-1] if solutions else None))
-        except EquilibriumError as error:
-            raise EquilibriumError(f"{curve}: {error}") from error
-    return solutions
-
-
-def _scaled_guess(before: SteadyCurving, curve: ConstantCurve) -> Array:
-    """State of the earlier solution with its rates, including the pitch rate, scaled to the new speed."""
-    state: Array = before.equilibrium.state.copy()
-    state[COUNT : 2 * COUNT] *= curve.speed / before.curve.speed
-    return state

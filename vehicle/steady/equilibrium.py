@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -16,7 +16,6 @@ from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts
 from wheelrail.vehicle.steady.continuation import is_curved, transient_into_curve
 from wheelrail.vehicle.steady.static_start import StaticStart
 from wheelrail.vehicle.steady.steady_problem import SteadyProblem
-from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
 
@@ -88,9 +87,18 @@ def equilibrium(
     raise AssertionError("no start")
 
 
-def curve_dynamics(dynamics: VehicleDynamics, curve: ConstantCurve) -> VehicleDynamics:
-    """The vehicle at the speed of a curve on its track."""
-    return replace(dynamics, track=curve.track, speed=curve.speed)
+def equilibria(dynamics: VehicleDynamics, speeds: Iterable[float]) -> list[Equilibrium]:
+    """Steady positions at speeds, m/s, on the track of the dynamics, each the initial guess of the next one.
+
+    Raises EquilibriumError naming the speed.
+    """
+    found = list[Equilibrium]()
+    for speed in speeds:
+        try:
+            found.append(equilibrium(replace(dynamics, speed=speed), guess=found[-1].state if found else None))
+        except EquilibriumError as error:
+            raise EquilibriumError(f"{error}, at {speed:g} m/s") from error
+    return found
 
 
 def _newton(

@@ -55,7 +55,7 @@ class Run(StoredDataset):
         unknown wheelset, OSError.
         """
         from wheelrail.scenes.schema.errors import SceneError
-        from wheelrail.scenes.views.run_snapshot import largest_force, sample_view
+        from wheelrail.scenes.views.animation import Animation, largest_force
         from wheelrail.scenes.views.view import bodies_of_run
 
         if file is not None and Path(file).suffix.lower() not in (".png", ".html"):
@@ -67,8 +67,10 @@ class Run(StoredDataset):
         if distance is not None:
             at = int(np.argmin(np.abs(self.data["distance"].values - distance)))
         where = f"{float(self.data['distance'][at]):.1f} m, {float(self.data['time'][at]):.2f} s"
-        bodies = bodies_of_run(self.data, Path("run.nc"))
-        plotter = sample_view(self.data, at, bodies, most_loaded, title=where, scale=scale)
+        drawn = Animation(self.data, bodies_of_run(self.data, Path("run.nc")), most_loaded, scale)
+        drawn.show(float(self.data["time"][at]))
+        plotter = drawn.view
+        plotter.title = where
         if file is not None:
             from wheelrail.scenes.views.html import save_view
 

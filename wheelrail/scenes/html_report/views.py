@@ -40,18 +40,20 @@ def run_view(data: Dataset, file: Path, name: str = "") -> PageView | PageNote:
 
 
 def _wheelset_view(data: Dataset, file: Path, name: str) -> PageView:
-    from wheelrail.scenes.views.run_snapshot import largest_force, sample_view
+    from wheelrail.scenes.views.animation import Animation, largest_force
     from wheelrail.scenes.views.view import bodies_of_run
 
     index, wheelset = largest_force(data)
     description = _description(data, data.isel(time=index).sel(wheelset=wheelset, body=wheelset), name)
-    plotter = sample_view(data, index, bodies_of_run(data, file), wheelset, title=description.split(":")[0])
+    drawn = Animation(data, bodies_of_run(data, file), wheelset, scale=1.0)
+    drawn.show(float(data["time"][index]))
+    drawn.view.title = description.split(":")[0]
     caption = (
         f"{description}. Above: the wheelset on its rails from behind; arrows: vertical and lateral force on the "
         "left wheel (blue) and on the right wheel (orange). Below: both contacts, patches as ellipses coloured by "
         "load. Displacement magnification factor 1."
     )
-    return view(plotter, caption, f"The wheelset on its rails with forces and contact patches. {description}.")
+    return view(drawn.view, caption, f"The wheelset on its rails with forces and contact patches. {description}.")
 
 
 def _vehicle_view(data: Dataset, file: Path) -> PageView:

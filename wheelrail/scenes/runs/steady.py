@@ -100,14 +100,17 @@ def curve_of(scene: RunScene) -> ConstantCurve:
 def equilibria_of(
     scene: RunScene, file: Path | None, speeds: Sequence[float], curve: ConstantCurve | None = None
 ) -> list[Equilibrium]:
-    """Steady positions at speeds (n,) m/s on straight level track, or in a curve. Raises as `modes_of`."""
-    from wheelrail.vehicle.steady.equilibrium import curve_dynamics, equilibrium
+    """Steady positions at speeds (n,) m/s on straight level track, or in a curve, each the guess of the next one.
+
+    Raises as `modes_of`.
+    """
+    from wheelrail.vehicle.steady.equilibrium import equilibria
 
     dynamics = vehicle_dynamics(scene, file, speeds[0])
     if curve is not None:
-        dynamics = curve_dynamics(dynamics, curve)
+        dynamics = replace(dynamics, track=curve.track)
     with failures_as_run_failed():
-        return [equilibrium(replace(dynamics, speed=speed)) for speed in speeds]
+        return equilibria(dynamics, speeds)
 
 
 @contextmanager

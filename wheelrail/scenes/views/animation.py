@@ -61,6 +61,13 @@ class RunBodies:
         return self.mounting.radius if self.radius is None else self.radius
 
 
+def largest_force(data: Dataset) -> tuple[int, str]:
+    """Index of the sample, and the wheelset, with the largest absolute lateral force on a wheel."""
+    force = np.abs(data["lateral_force"].transpose("time", "wheelset", "side").values).max(axis=2)
+    index, wheelset = np.unravel_index(np.argmax(np.where(np.isfinite(force), force, -1.0)), force.shape)
+    return int(index), str(data["wheelset"].values[wheelset])
+
+
 def check_options(file: Path, frames: int, fps: float, scale: float) -> None:
     """Raises ValueError for options of an animation that are not allowed."""
     if file.suffix.lower() not in FORMATS:
