@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import json
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter, process_time
@@ -28,7 +27,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
 
@@ -38,7 +37,7 @@ TRANSIENT_END = 0.1  # s, end of the initial transient
 
 @dataclass(frozen=True)
 class CurveVariant:
-    """Strips and cells of the contact, tolerance of the integrator over that of the scene, number of processes."""
+    """Strips and cells of the contact, tolerance of the integrator over that of the scene, number of threads."""
 
     name: str
     fineness: tuple[int, int]
@@ -49,7 +48,7 @@ class CurveVariant:
 
 VARIANTS = (
     CurveVariant("the scene", (6, 10), 1.0),
-    CurveVariant("one process", (6, 10), 1.0, workers=1),
+    CurveVariant("one thread", (6, 10), 1.0, workers=1),
     CurveVariant("tighter", (6, 10), 1 / 3, workers=1),
     CurveVariant("4 x 6 cells", (4, 6), 1.0, workers=1),
     CurveVariant("4 x 10 cells", (4, 10), 1.0, workers=1),
@@ -94,7 +93,7 @@ def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, second
     assert isinstance(contact.model, LatticeContact)
     model = replace(contact.model, resolution=LatticeResolution(*variant.fineness))
     tuned = replace(contact, model=model)
-    with in_parallel(tuned) if variant.workers == 2 else nullcontext(tuned) as parallel:
+    with in_threads(tuned, variant.workers) as parallel:
         began, used = perf_counter(), process_time()
         history = simulate(
             wagon_dynamics(wagon(scene), track(scene), parallel, scene.vehicle.speed_profile),
@@ -126,7 +125,7 @@ COLUMNS = (
     "run",
     "cells",
     "tolerance over the scene's",
-    "processes",
+    "threads",
     "wall s",
     "processor s",
     "steps (rejected)",
@@ -146,7 +145,6 @@ def row(timed_run: TimedRun, tight: TimedRun, fine: TimedRun) -> list[str]:
         d = differences(timed_run, reference)
         deviations += ["", ""] if timed_run is reference else [f"{d[0]:.4f} / {d[1]:.3f}", f"{d[2]:.3f} / {d[3]:.2f}"]
     sides = [cost.contact[side] for side in SIDES]
-    # of the side that a second process solves, this is only the time spent waiting for it
     spent = [1e3 * sum(side.phases.values()) / side.solves for side in sides]
     return [
         v.name if timed_run.history.status == "completed" else f"{v.name}: {timed_run.history.status}",
@@ -154,7 +152,7 @@ def row(timed_run: TimedRun, tight: TimedRun, fine: TimedRun) -> list[str]:
         f"{v.tolerance:.2g}",
         str(v.workers),
         f"{timed_run.seconds:.1f}",
-        f"{timed_run.processor:.1f}" if v.workers == 1 else "",
+        f"{timed_run.processor:.1f}",
         f"{cost.steps.accepted} ({cost.steps.rejected})",
         str(sides[0].solves),
         "{:.1f} / {:.1f}".format(*spent),

@@ -3,15 +3,14 @@
 python -m benchmarks.vehicle_runs [--scene NAME ...] [--contact standard|elastic ...] [--resolution 8x10 ...]
                                   [--seconds T] [--quick]
 
-Wall time per simulated second of whole runs without reading, meshes, compilation and output rows; two processes solve
-the left and the right contacts of elastic wheels. Errors, RMS / maximum over all wheelsets and 10 ms of time each,
+Wall time per simulated second of whole runs without reading, meshes, compilation and output rows; two threads solve
+the contacts of elastic wheels. Errors, RMS / maximum over all wheelsets and 10 ms of time each,
 are differences to a run with a tenth of the tolerances and, of elastic contact, to one with 12 x 16 strips and cells.
 """
 
 from __future__ import annotations
 
 import argparse
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -31,7 +30,7 @@ from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
@@ -43,7 +42,7 @@ CONTACTS: dict[str, dict[str, object]] = {
 USUAL, FINER = LatticeResolution(8, 10), LatticeResolution(12, 16)
 EVERY = 0.01  # s, between the rows that are compared
 HEAD = (
-    "run|contact|processes|wall s per s|steps per s (rejected)|contact problems a side|part of contacts"
+    "run|contact|threads|wall s per s|steps per s (rejected)|contact problems a side|part of contacts"
     "|y mm, tight|wheel force %, tight|y mm, finer|wheel force %, finer"
 )
 
@@ -65,7 +64,7 @@ def loaded(name: str, contact: str) -> RunScene:
 
 
 def timed(
-    scene: RunScene, contact: WheelsetContact, processes: int, end: float, *, tolerance: float = 1.0, rows: bool = False
+    scene: RunScene, contact: WheelsetContact, threads: int, end: float, *, tolerance: float = 1.0, rows: bool = False
 ) -> TimedRun:
     """A run until a time s, with a multiple of the tolerances; with rows for comparison or without any but the ends."""
     solver = scene.solver.model_copy(
@@ -74,7 +73,7 @@ def timed(
     scene = scene.model_copy(update={"solver": solver})
     recording = Recording(EVERY if rows else end)
     vehicle = vehicle_for_run(scene, MANCHESTER)
-    with in_parallel(contact) if processes == 2 else nullcontext(contact) as wheels:
+    with in_threads(contact, threads) as wheels:
         start = perf_counter()
         history = simulate_on_track(scene, vehicle, wheels, end, recording, lambda *_: None)
         return TimedRun(perf_counter() - start, history)
@@ -112,19 +111,19 @@ def row(
         console: for progress.
     """
     scene = loaded(name, kind)
-    contact, processes, label = wheelset_contact(scene), 1, kind
+    contact, threads, label = wheelset_contact(scene), 1, kind
     if kind == "elastic":
-        contact, processes = with_resolution(contact, resolution), 2
+        contact, threads = with_resolution(contact, resolution), 2
         label = f"elastic, {resolution.strips} x {resolution.cells}"
     end = seconds or SpeedProfile.of(scene.vehicle.speed_profile).time_at(scene.track.length)
     with console.status(f"{name}, {label}"):
-        run = timed(scene, contact, processes, end)
+        run = timed(scene, contact, threads, end)
     history, cost = run.history, run.history.cost
     span = float(history.time[-1])
     line = [
         name if history.status == "completed" else f"{name}: {history.status}",
         label,
-        str(processes),
+        str(threads),
         f"{run.seconds / span:.3f}",
         f"{cost.steps.accepted / span:.0f} ({cost.steps.rejected / span:.0f})",
         str(max(side.solves for side in cost.contact.values())),
@@ -134,15 +133,15 @@ def row(
     if quick:
         return [*line, "", "", "", ""]
     with console.status(f"{name}, {label}: rows"):
-        own = timed(scene, contact, processes, end, rows=True).history
+        own = timed(scene, contact, threads, end, rows=True).history
     with console.status(f"{name}, {label}: a tenth of the tolerances"):
-        tight = timed(scene, contact, processes, end, tolerance=0.1, rows=True).history
+        tight = timed(scene, contact, threads, end, tolerance=0.1, rows=True).history
     line += difference(own, tight)
     if kind != "elastic":
         return [*line, "", ""]
     fine = with_resolution(contact, FINER)
     with console.status(f"{name}, {label}: finer cells"):
-        finer = timed(scene, fine, processes, end, rows=True).history
+        finer = timed(scene, fine, threads, end, rows=True).history
     return line + difference(own, finer)
 
 

@@ -10,6 +10,7 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from threading import Lock
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +30,7 @@ log = logging.getLogger(__name__)
 
 
 ALL: tuple[int, int, int] = (0, 1, 2)
+FILLING = Lock()  # PETSc solves in one thread at a time
 TILE = 8  # nodes along x: patches on the tread are half as long as the strip, which must hold those on the flange
 
 
@@ -61,9 +63,10 @@ class SurfaceCompliance:
 
     def block(self, nodes: Nodes, directions: Sequence[int] = ALL) -> Array:
         """Symmetric compliance (d n, d n) [m/N], see `Compliance.block`."""
-        for direction in directions:
-            if not self._filled[nodes, direction].all():
-                self._fill(nodes[~self._filled[nodes, direction]], direction)
+        with FILLING:
+            for direction in directions:
+                if not self._filled[nodes, direction].all():
+                    self._fill(nodes[~self._filled[nodes, direction]], direction)
         unknowns = (3 * nodes[:, None] + np.asarray(directions)).ravel()
         return np.asarray(self._matrix[unknowns[:, None], unknowns])
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -60,17 +60,7 @@ class ContactElement(Generic[S, K]):
 
         A breakdown of the solver and a force that is not finite are failed results.
         """
-        guesses = {side: [start.get(side) if start else None for start in starts] for side in self.sides}
-        if not self.contact.together:
-            for state, guess in zip(states, guesses[self.sides[-1]], strict=True):
-                self.contact.ahead(state, guess)
-        for side in self.sides:  # all states: what was announced runs in parallel
-            if self.contact.together:
-                results = self._solve_side(states, side, guesses[side])
-                yield from ((i, side, result) for i, result in enumerate(results))
-                continue
-            for i, state in enumerate(states):
-                yield i, side, self._solve_side([state], side, [guesses[side][i]])[0]
+        return self._each(self._solve_side, states, [start or {} for start in starts])
 
     def solve_sides(self, state: S, start: Mapping[K, ContactResult] | None) -> Iterator[tuple[K, ContactResult]]:
         """Side and result at one state, see `solve_states`."""
@@ -94,11 +84,22 @@ class ContactElement(Generic[S, K]):
 
         Raises ValueError for a model or a result without tangent.
         """
-        if not self.contact.together:
-            for state, own in zip(states, results, strict=True):
-                self.contact.ahead_tangent(state, own[self.sides[-1]])
-        by_side = [self.contact.side_tangents(states, side, [own[side] for own in results]) for side in self.sides]
-        return np.stack(by_side, axis=1)
+        values = np.array([value for _, _, value in self._each(self.contact.side_tangents, states, results)])
+        return values.reshape(len(self.sides), len(states), *values.shape[1:]).swapaxes(0, 1)
+
+    def _each(
+        self,
+        function: Callable[[Sequence[S], K, Sequence[Any]], Any],
+        states: Sequence[S],
+        given: Sequence[Mapping[K, ContactResult]],
+    ) -> Iterator[tuple[int, K, Any]]:
+        """Index of the state, side and value of a function of states, a side and what is given of it for each state."""
+        all_states = range(len(states))
+        groups = [all_states] if self.contact.together else [[i] for i in all_states]
+        keys = [(group, side) for side in self.sides for group in groups]
+        tasks = [([states[i] for i in group], side, [given[i].get(side) for i in group]) for group, side in keys]
+        for (group, side), values in zip(keys, self.contact.each(function, tasks), strict=True):
+            yield from ((i, side, value) for i, value in zip(group, values, strict=True))
 
     def solve_state(self, state: S) -> ElementSolution[S, K]:
         """Solution of a trial state, from the last accepted results."""

@@ -81,6 +81,10 @@ class FlexibleContact(VehicleContact):
         left, right = (self.contact.of(side).mounting for side in SIDES)
         return FlexiblePairs((left, right), self.flexibility)
 
+    @property
+    def concurrent(self) -> bool:
+        return self.contact.concurrent
+
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         pair = self.pairs.pair(state, side)
         result = pair.in_track(self.contact.of(side).model(pair.pose, pair.motion, guess))

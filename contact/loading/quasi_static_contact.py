@@ -46,6 +46,10 @@ class QuasiStaticContact(VehicleContact):
     wheelset: FlexibleWheelset
     _latest: tuple[WheelsetState, object, FlexibleEquilibrium, StructureStart] | None = field(default=None, init=False)
 
+    @property
+    def concurrent(self) -> bool:
+        return False
+
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         start = None if guess is None else guess.warm_start
         try:

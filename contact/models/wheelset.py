@@ -48,6 +48,10 @@ class WheelsetContact(VehicleContact):
     def together(self) -> bool:
         return all(self._together(side) is not None for side in SIDES)
 
+    @property
+    def concurrent(self) -> bool:
+        return all(getattr(self.of(side).model, "concurrent", True) for side in SIDES)
+
     def _together(self, side: Side) -> StandardContact | None:
         """Model of a side, if it solves all wheels of one side in one call."""
         model = self.of(side).model

@@ -89,23 +89,16 @@ class LazyPatches(Sequence[Patch]):
 
     Parameters:
         compute: returns the patches. Most evaluations in a vehicle simulation need the forces only.
-        ahead: starts their computation in another process, which `compute` awaits; None: there is none.
     """
 
-    def __init__(self, compute: Callable[[], tuple[Patch, ...]], ahead: Callable[[], None] | None = None) -> None:
+    def __init__(self, compute: Callable[[], tuple[Patch, ...]]) -> None:
         self._compute: Callable[[], tuple[Patch, ...]] | None = compute
-        self._ahead = ahead
         self._patches: tuple[Patch, ...] = ()
-
-    def ahead(self) -> None:
-        """Start their computation where another process does it."""
-        if self._compute is not None and self._ahead is not None:
-            self._ahead()
 
     def all(self) -> tuple[Patch, ...]:
         """All patches."""
         if self._compute is not None:
-            self._patches, self._compute, self._ahead = self._compute(), None, None
+            self._patches, self._compute = self._compute(), None
         return self._patches
 
     @overload

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
-from typing import Protocol, TypeVar
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -24,13 +24,14 @@ class HasCoordinates(Protocol):
 
 S = TypeVar("S", contravariant=True)
 K = TypeVar("K", contravariant=True)
+R = TypeVar("R")
 
 
 class StateContact(Protocol[S, K]):
     """Contact model of the sides of a body: state and side in, result out.
 
     Subclasses define the call; the other methods have defaults, for models without tangent that solve one state after
-    the other in this process.
+    the other.
     """
 
     @abstractmethod
@@ -81,14 +82,57 @@ class StateContact(Protocol[S, K]):
         """Guess for the solve of a side; a solve from it repeats that from the original result to the last bit."""
         return ContactResult.guess(warm_start)
 
-    def ahead(self, state: S, guess: ContactResult | None) -> None:
-        """Announces the solve of the last side after those before it, so that they can run in parallel."""
-        return  # sequential
+    @property
+    def concurrent(self) -> bool:
+        """Whether several threads may solve different states at the same time."""
+        return True
 
-    def ahead_tangent(self, state: S, result: ContactResult) -> None:
-        """Announces the tangent of the last side, see `ahead`."""
-        return
+    def each(self, function: Callable[..., R], tasks: Sequence[tuple[Any, ...]]) -> Iterable[R]:
+        """Values of a function that uses this contact, of the arguments of each task, in their order."""
+        return (function(*task) for task in tasks)
 
 
 class VehicleContact(StateContact[WheelsetState, Side], Protocol):
     """Contact model of the left and the right wheel of a wheelset, with the moment about the wheelset's centre."""
+
+
+class WrappedContact(VehicleContact):
+    """Contact model that hands all calls on to another one; subclasses change some.
+
+    Parameters:
+        contact: the wrapped model.
+    """
+
+    def __init__(self, contact: VehicleContact) -> None:
+        self.contact = contact
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return self.solve_side([state], side, [guess])[0]
+
+    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
+        return self.side_tangents([state], side, [result])[0]  # type: ignore[no-any-return]
+
+    @property
+    def together(self) -> bool:
+        return self.contact.together
+
+    @property
+    def concurrent(self) -> bool:
+        return self.contact.concurrent
+
+    def each(self, function: Callable[..., R], tasks: Sequence[tuple[Any, ...]]) -> Iterable[R]:
+        return self.contact.each(function, tasks)
+
+    def solve_side(
+        self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
+    ) -> list[ContactResult]:
+        return self.contact.solve_side(states, side, guesses)
+
+    def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
+        return self.contact.side_tangents(states, side, results)
+
+    def warm_start(self, side: Side, result: ContactResult) -> object:
+        return self.contact.warm_start(side, result)
+
+    def guess(self, side: Side, warm_start: object) -> ContactResult:
+        return self.contact.guess(side, warm_start)

@@ -28,7 +28,7 @@ from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import Limits, OutOfBounds, wheels
-from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.irregularity import Irregularities
@@ -215,10 +215,10 @@ class Ending(VehicleContact):
         return CONTACT(state, side, guess)
 
 
-def test_a_contact_that_fails_in_the_second_process_ends_the_run_as_in_one() -> None:
+def test_a_contact_that_fails_in_a_second_thread_ends_the_run_as_in_one() -> None:
     options = {"initial": kicked(CONTACT, wheelset_y=-1.0)}
     one = run(Ending(), 0.5, **options)
-    with in_parallel(Ending()) as both:
+    with in_threads(Ending(), 2) as both:
         two = run(both, 0.5, **options)
     assert "right contact: failed: beyond the profile" in one.status
     assert two.status == one.status

@@ -293,39 +293,6 @@ def test_interrupted_run_resumes_to_identical_results(tmp_path: Path, undisturbe
     assert_same_results(tmp_path, undisturbed)
 
 
-def gone(process: int) -> bool:
-    """Whether a process has ended within three seconds (a zombie has)."""
-    for _ in range(60):
-        try:
-            if Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] == "Z":
-                return True
-        except OSError:
-            return True
-        time.sleep(0.05)
-    return False
-
-
-@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL])
-def test_no_worker_process_remains(tmp_path: Path, how: signal.Signals) -> None:
-    scene = quick(tmp_path, ("curve = 1.0", "curve = 900.0"))
-    scene.write_text(scene.read_text().replace("[solver]", "[solver]\nworkers = 2"))
-    script = "from wheelrail.cli.entry import main\nmain()"
-    line = [sys.executable, "-c", script, "run", str(scene), "--out", str(tmp_path)]
-    with subprocess.Popen(line, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=ENVIRONMENT) as running:
-        children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
-        for _ in range(6000):  # including compilation
-            if (tmp_path / "run.checkpoints").exists():
-                break
-            time.sleep(0.05)
-        mine = [int(word) for word in children.read_text().split()]
-        assert mine
-        running.send_signal(how)
-        said = running.communicate(timeout=30)
-    assert running.returncode == (130 if how == signal.SIGINT else -how)
-    assert "Traceback" not in said[1]
-    assert all(gone(process) for process in mine)
-
-
 LITTLE = """
 import resource, signal
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)

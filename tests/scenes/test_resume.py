@@ -37,7 +37,7 @@ from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.track.track import Track
@@ -116,14 +116,14 @@ def test_checkpoints_where_contacts_depend_on_their_guess() -> None:
         assert_same(resumed(5, at, Clinging()), whole)
 
 
-def test_few_strips_in_two_processes_resume_bitwise_identically() -> None:
+def test_few_strips_in_two_threads_resume_bitwise_identically() -> None:
     options = {"method": "rosenbrock", "rtol": 3e-3, "atol": 3e-6, "span": (0.0, 0.1)}
-    with in_parallel(few_strips()) as contact:
+    with in_threads(few_strips(), 2) as contact:
         whole, found = kept(3, contact, **options)
     assert whole.status == "completed"
     assert len(found) > 2
     assert_same(run(few_strips(), **options), whole)
-    with in_parallel(few_strips()) as contact:
+    with in_threads(few_strips(), 2) as contact:
         assert_same(resumed(3, found[1], contact, **options), whole)
     assert_same(resumed(3, found[-1], few_strips(), **options), whole)
 

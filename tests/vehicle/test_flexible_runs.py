@@ -33,7 +33,7 @@ from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.multibody.plane_wagon import COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import EnergyBalance, energy_balance
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.parallel_contact import in_parallel
+from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.simulation.simulate import Recording, simulate
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.steady.modes import modes
@@ -166,10 +166,10 @@ def test_rows_between_steps_agree_with_those_at_steps() -> None:
         np.testing.assert_allclose(rows.force[:, 0, side, 2], expected, atol=300.0)
 
 
-def test_a_second_process_changes_nothing() -> None:
+def test_a_second_thread_changes_nothing() -> None:
     span, steps = (0.0, 0.02), StepSettings("rosenbrock", 1e-3, 1e-6)
     alone = simulate(dynamics(), span, initial=start().state, steps=steps)
-    with in_parallel(contact()) as parallel:
+    with in_threads(contact(), 2) as parallel:
         both = simulate(replace(dynamics(), contact=parallel), span, initial=start().state, steps=steps)
     np.testing.assert_array_equal(alone.state, both.state)
     np.testing.assert_array_equal(alone.force[:, 0], both.force[:, 0])

@@ -2,13 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import pickle
-import select
-import signal
-import time
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -16,10 +10,10 @@ from pydantic import ValidationError
 from scipy.integrate import solve_ivp
 from standin_contact import CONTACT, MOUNTING, FunctionContact, SmoothContact
 
-from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
-from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
+from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.runs.progress import costs
 from wheelrail.scenes.schema.tables import SolverTable
@@ -27,13 +21,11 @@ from wheelrail.vehicle.integration.integrate import FirstStep, StepSettings, int
 from wheelrail.vehicle.integration.rosenbrock import ROS3PL, ROS34PW2, SHAMPINE4
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.contact_differences import REUSED
-from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian, VehicleLinearisation
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.parallel_contact import Parallel, WorkerLost, in_parallel
-from wheelrail.vehicle.simulation.row import Row
 from wheelrail.vehicle.simulation.simulate import simulate, step_settings
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -282,7 +274,7 @@ def test_accuracy_and_cost_of_a_run(plain: History, tight: History) -> None:
 def test_method_in_a_scene(plain: History) -> None:
     asked = SolverTable(method="rosenbrock", workers=2)
     assert (asked.method, asked.workers, SolverTable().workers) == ("rosenbrock", 2, 1)
-    for wrong in ({"workers": 3}, {"method": "radau"}):
+    for wrong in ({"workers": 0}, {"workers": 65}, {"method": "radau"}):
         with pytest.raises(ValidationError):
             SolverTable(**wrong)  # type: ignore[arg-type]
     assert f"{plain.cost.steps.jacobians} Jacobians" in costs(plain).note
@@ -398,206 +390,9 @@ def test_interrupted_implicit_run_returns_its_history() -> None:
     assert len(history) == history.cost.steps.accepted + 1 > 5
 
 
-@dataclass
-class Remembering(VehicleContact):
-    """Contact whose approach counts the results in the chain of initial guesses."""
-
-    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        if state.z < -1.0:
-            raise ArithmeticError("too deep")
-        if state.z > 1.0:
-            raise KeyError("a mistake in the program")
-        if state.z > 0.5:
-            os._exit(3)
-        found = CONTACT(state, side, guess)
-        assert guess is None or guess.fields is not None
-        return replace(found, approach=0.0 if guess is None else guess.approach + 1.0, fields=(side,))  # type: ignore[arg-type]
-
-
-def test_two_processes_are_bitwise_identical(plain: History) -> None:
-    with in_parallel(Tangential()) as contact:
-        history = run(contact)
-        assert not contact.released or len(contact.released) < 50
-    np.testing.assert_array_equal(history.time, plain.time)
-    np.testing.assert_array_equal(history.state, plain.state)
-    np.testing.assert_array_equal(history.force[:, 0], plain.force[:, 0])
-    for side in ("left", "right"):
-        mine, theirs = history.cost.contact[side], plain.cost.contact[side]  # type: ignore[index]
-        assert (mine.solves, mine.tangents, mine.newton) == (theirs.solves, theirs.tangents, theirs.newton)
-    with in_parallel(CONTACT) as contact:
-        np.testing.assert_array_equal(run(contact).state, run().state)
-
-
-def test_the_second_process_stores_referenced_results() -> None:
-    state = WheelsetState(z=-6e-5, pitch_rate=V / 0.46, speed=V)
-    with in_parallel(Remembering()) as contact:
-        result = contact(state, "right", None)
-        assert result.fields is None
-        first = result
-        for expected in range(1, 4):
-            result = contact(state, "right", result)
-            assert result.approach == expected
-        del result
-        assert contact.released == [3, 4]  # the second was sent with the fourth request
-        contact.ahead(state, first)  # not used
-        contact.ahead(state, first)
-        assert contact(state, "right", first).approach == 1.0
-        assert contact(replace(state, y=1e-4), "right", None).approach == 0.0
-        with pytest.raises(ValueError, match="its process"):
-            contact(state, "right", ContactResult.separated())
-        with pytest.raises(ValueError, match="tangent"):
-            contact.tangent(state, "right", first)
-
-
-def test_errors_and_the_end_of_the_second_process_are_detected() -> None:
-    with in_parallel(Remembering()) as contact:
-        with pytest.raises(ArithmeticError, match="too deep"):
-            contact(WheelsetState(z=-2.0, speed=V), "right")
-        with pytest.raises(KeyError, match="mistake"):
-            contact(WheelsetState(z=2.0, speed=V), "right")
-        assert contact(WheelsetState(z=-6e-5, speed=V), "right").ok
-        with pytest.raises(WorkerLost):
-            contact(WheelsetState(z=0.7, speed=V), "right")
-        with pytest.raises(WorkerLost):
-            contact(WheelsetState(speed=V), "right")
-
-
-@dataclass
-class Killed(VehicleContact):
-    """The smooth contact; the process of the right-hand one is killed, as for lack of memory, at its 40th solve."""
-
-    solves: int = 0
-
-    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        self.solves += side == "right"
-        if self.solves == 40:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return CONTACT(state, side, guess)
-
-
-def test_a_run_whose_second_process_is_killed_keeps_its_rows() -> None:
-    complete = run()
-    with in_parallel(Killed()) as contact:
-        history = run(contact)
-    assert history.status.startswith("failed: ")
-    assert "the process of the right-hand contact has ended" in history.status
-    assert 1 < len(history) < len(complete)
-    np.testing.assert_array_equal(history.state, complete.state[: len(history)])
-
-
-def test_the_second_process_ends_with_the_first() -> None:
-    """Also when that is killed: its end of the pipe closes."""
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        with in_parallel(Pid()) as contact:
-            os.write(writing, pickle.dumps(int(contact(WheelsetState(speed=V), "right").approach)))
-            time.sleep(60)
-        os._exit(0)
-    worker = pickle.loads(os.read(reading, 100))
-    os.kill(child, signal.SIGKILL)
-    os.waitpid(child, 0)
-    for _ in range(200):
-        if not alive(worker):
-            break
-        time.sleep(0.02)
-    assert not alive(worker)
-    os.close(reading)
-    os.close(writing)
-
-
-class Pid(VehicleContact):
-    """A contact whose approach is the number of the process that it runs in."""
-
-    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        return ContactResult.separated(float(os.getpid()))
-
-
-def alive(process: int) -> bool:
-    try:
-        with open(f"/proc/{process}/stat") as file:
-            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
-
-
-def test_sides_run_in_two_processes() -> None:
-    with in_parallel(Pid()) as contact:
-        counted = CountedContact(contact)
-        d = wagon_dynamics(Wagon(), CURVE, counted, V)
-        found = d(0.0, np.zeros(20)).contacts["wheelset"]
-        assert found["left"].approach == os.getpid() != found["right"].approach
-        assert isinstance(contact, Parallel)
-        assert (counted.costs["left"].solves, counted.costs["right"].solves) == (1, 1)
-        other = int(found["right"].approach)
-    assert not alive(other)
-
-
-class Awaiting(VehicleContact):
-    """A contact whose left-hand patches await the beginning of the right-hand ones."""
-
-    def __init__(self) -> None:
-        self.reading, self.writing = os.pipe()
-
-    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        return replace(ContactResult.separated(1.0), patches=LazyPatches(partial(self.patches, side)))
-
-    def patches(self, side: Side) -> tuple[Patch, ...]:
-        if side == "right":
-            os.write(self.writing, b".")
-        else:
-            assert select.select([self.reading], [], [], 30.0)[0], "the right-hand patches were not started"
-        return ()
-
-
-def test_patches_of_a_row_are_computed_side_by_side() -> None:
-    with in_parallel(Awaiting()) as contact:
-        contacts = {name: {side: contact(WheelsetState(speed=V), side) for side in SIDES} for name in ("1", "2")}
-        row = Row.of(0.0, np.zeros(20), VehicleEvaluation(np.zeros(20), contacts))
-    assert [[len(patches) for patches in pair] for pair in row.patches] == [[0, 0], [0, 0]]
-
-
-@dataclass(frozen=True)
-class Announced(Tangential):
-    """Records what is called, in order."""
-
-    calls: list[str] = field(default_factory=list)
-
-    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        self.calls.append(side)
-        return super().__call__(state, side, guess)
-
-    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> np.ndarray:
-        self.calls.append(f"tangent {side}")
-        return super().tangent(state, side, result)
-
-    def ahead(self, state: WheelsetState, guess: ContactResult | None) -> None:
-        self.calls.append("ahead")
-
-    def ahead_tangent(self, state: WheelsetState, result: ContactResult) -> None:
-        self.calls.append("ahead_tangent")
-
-
-def test_the_right_side_is_announced_before_the_left_one_through_a_counted_contact() -> None:
-    contact = Announced()
-    counted = CountedContact(contact)
-    d, t, x = curving(counted)
-    at = d(t, x)
-    VehicleJacobian(d, StepStatistics()).tangents(d.wheelset_states(t, x), at.contacts)
-    assert list(dict.fromkeys(contact.calls)) == [
-        "ahead",
-        "left",
-        "right",
-        "ahead_tangent",
-        "tangent left",
-        "tangent right",
-    ]
-    assert [(cost.solves, cost.tangents) for cost in counted.costs.values()] == [(1, 1), (1, 1)]
-
-
 def test_counted_contact_without_tangent_raises() -> None:
     state = WheelsetState(z=-6e-5, pitch_rate=V / 0.46, speed=V)
-    counted = CountedContact(Pid())
+    counted = CountedContact(FunctionContact(CONTACT))
     result = counted(state, "left")
     with pytest.raises(ValueError, match="no tangent"):
         counted.tangent(state, "left", result)

@@ -12,23 +12,19 @@ from functools import cache
 
 import numpy as np
 import pytest
-from small_strips import few_strips
 
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import WheelsetContact
-from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
-from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limit_cycle import CycleSearch
-from wheelrail.vehicle.simulation.parallel_contact import in_parallel
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.critical_speed import critical_speed, least_damped
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
@@ -147,25 +143,3 @@ def test_a_small_motion_grows_as_its_mode_in_the_steps_of_a_search() -> None:
     lateral = np.array([[run.state[i, places], run.state[i, count + np.array(places)]] for i in (0, -1)])
     size = [np.hypot(y, rate / mode.eigenvalue.imag).max() for y, rate in lateral]
     assert np.log(size[1] / size[0]) == pytest.approx(mode.eigenvalue.real, abs=0.04)
-
-
-def test_elastic_contact_in_two_processes_has_the_same_bits() -> None:
-    """All right wheels in a second process that solves while this one solves the left wheels."""
-    state = equilibrium(VehicleDynamics(load_vehicle(), Track(), few_strips(), 30.0)).state
-    state[42:84:6] += 0.1  # m/s forward
-    state[43:84:6] += 0.05  # m/s to the left
-
-    def run(contact: VehicleContact) -> History:
-        return simulate(VehicleDynamics(load_vehicle(), Track(), contact, 30.0), (0.0, 0.01), initial=state)
-
-    alone = run(few_strips())
-    with in_parallel(few_strips()) as contact:
-        together = run(contact)
-        requests = contact.requests
-    assert alone.status == together.status == "completed"
-    assert len(alone) > 2
-    np.testing.assert_array_equal(together.state, alone.state)
-    np.testing.assert_array_equal(together.force, alone.force)
-    right = alone.cost.contact["right"]
-    patches = 4 * len(alone)  # of every row
-    assert requests == right.solves + right.tangents + patches

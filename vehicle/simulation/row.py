@@ -9,7 +9,7 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.results.packed_patches import WIDTH, PackedPatches
-from wheelrail.contact.results.result import ContactResult, LazyPatches
+from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.equations import VehicleEvaluation
 
@@ -31,10 +31,6 @@ class Row:
     @classmethod
     def of(cls, time: float, state: Array, at: VehicleEvaluation) -> Row:
         wheels = [[sides[side] for side in SIDES] for sides in at.contacts.values()]
-        for pair in wheels:
-            for wheel in pair:
-                if isinstance(wheel.patches, LazyPatches):
-                    wheel.patches.ahead()
         return cls(
             time,
             state,

@@ -87,7 +87,7 @@ class TimeRun:
         )
         self.uncounted = dynamics
         self.dynamics = replace(dynamics, contact=CountedContact(dynamics.contact, self.cost.contact))
-        self.recorder = Recorder(self.between, recording.interval)
+        self.recorder = Recorder(self.between, dynamics.contact.each, recording.interval)
         self.recorder.rows = list(self.latest.rows) if self.latest else []
         self.began = perf_counter() - self.cost.seconds
 

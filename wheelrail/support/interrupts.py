@@ -61,9 +61,13 @@ def deferred_interrupts() -> Iterator[None]:
 
 
 def check_interrupt() -> None:
-    """Raise KeyboardInterrupt if a Ctrl-C is deferred; to be called where no state is incomplete."""
-    if _waiting is not None and _waiting.time is not None and current_thread() is main_thread():
-        _waiting.time = None
+    """Raise KeyboardInterrupt if a Ctrl-C is deferred; to be called where no state is incomplete.
+
+    In the main thread it is then no longer deferred.
+    """
+    if _waiting is not None and _waiting.time is not None:
+        if current_thread() is main_thread():
+            _waiting.time = None
         raise KeyboardInterrupt
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
+from typing import ClassVar
 
 import numpy as np
 
@@ -77,6 +78,8 @@ class FullContact:
     order: int = 2
     options: FullOptions = field(default_factory=FullOptions)
     modulus: float = np.inf
+
+    concurrent: ClassVar = False  # PETSc solves in one thread
 
     @cached_property
     def soft(self) -> ContactLaws:

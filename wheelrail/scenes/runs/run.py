@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import signal
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from math import inf
@@ -163,6 +163,7 @@ def _simulated(
     with console.status("meshes and stiffness of wheel and rail"):
         contact, structure = run_contact(scene)
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
+    from wheelrail.vehicle.simulation.parallel_contact import in_threads
     from wheelrail.vehicle.simulation.time_run import Recording
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
@@ -173,7 +174,7 @@ def _simulated(
     end = SpeedProfile.of(scene.vehicle.speed_profile).time_at(length)
     start_distance = length * start.time / end if start else 0.0
     with (
-        _workers(contact, scene.solver.workers) as parallel,
+        in_threads(contact, scene.solver.workers) as parallel,
         progress_bar(console, length, start_distance) as progress,
     ):
         recording = Recording(scene.output.interval or None, checkpoints)
@@ -306,13 +307,6 @@ def _sampling(interval: float) -> str:
         f"every {interval:g} s; states by the cubic Hermite interpolation of the time integration within its steps, "
         "all other variables evaluated at these states, contacts solved there"
     )
-
-
-def _workers(contact: VehicleContact, count: int) -> AbstractContextManager[VehicleContact]:
-    """Contact model in this process, or with the right side in a second one."""
-    from wheelrail.vehicle.simulation.parallel_contact import in_parallel
-
-    return nullcontext(contact) if count == 1 else in_parallel(contact)
 
 
 @contextmanager

@@ -183,6 +183,7 @@ Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille is 
 Length = Annotated[Finite, Range(0.0, 1e5, "m")]
 Depth = Annotated[Finite, Range(5e-5, 0.1, "m", "below the surface: 2 mm is 2e-3")]
 OneOrTwo = Annotated[Literal[1, 2], WholeNumber()]
+Threads = Annotated[int, Strict(), Range(1, 64, whole=True)]
 Strips = Annotated[int, Strict(), Range(4, 64, whole=True)]
 Cells = Annotated[int, Strict(), Range(6, 64, whole=True)]
 Steps = Annotated[int, Strict(), Range(0, 100_000, whole=True)]

@@ -302,12 +302,12 @@ def _on_wheels(radius: float) -> Wagon:
 
 
 class SolverTable(SceneTable):
-    """Time integration method and tolerances; with two workers the right-hand contact runs in its own process."""
+    """Time integration method and tolerances; workers: threads that solve the contacts."""
 
     method: Literal["ode23", "ode45", "rosenbrock", "rosenbrock4"] = "ode23"
     rtol: q.Tolerance = 1e-3
     atol: q.Tolerance = 1e-6
-    workers: q.OneOrTwo = 1
+    workers: q.Threads = 1
 
 
 class OutputTable(SceneTable):

@@ -86,7 +86,8 @@ inline bool bulk_known(const BulkCompliance& body, const BulkStrips& first, cons
     long end = std::min(line_from(body.arc, high), body.arc.size() - 1) / TILE;
     for (long i = start; i <= end; ++i)
         for (long j = start; j <= i; ++j)
-            if (!body.filled(i, j)) return false;
+            // another thread may be filling; what it has stored before the flag is then seen
+            if (!__atomic_load_n(&body.filled(i, j), __ATOMIC_ACQUIRE)) return false;
     return true;
 }
 

@@ -115,7 +115,7 @@ class FiniteBody {
                 }
                 store(even, odd, row, column);
             }
-        filled(i, j) = filled(j, i) = true;
+        for (bool* flag : {&filled(i, j), &filled(j, i)}) __atomic_store_n(flag, true, __ATOMIC_RELEASE);
     }
     // Store coefficients and bulk compliance of a pair of lines, in both orders.
     void store(const Array<double, 2>& even, const Array<double, 2>& odd, long row, long column) {
