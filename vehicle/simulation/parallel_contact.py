@@ -6,11 +6,10 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from queue import SimpleQueue
-from threading import Thread
 from typing import Any
 
 from wheelrail.contact.results.vehicle_contact import R, VehicleContact, WrappedContact
-from wheelrail.support.interrupts import check_interrupt
+from wheelrail.support.interrupts import Helper, check_interrupt
 
 
 class Threads:
@@ -25,7 +24,7 @@ class Threads:
 
     def __init__(self, count: int) -> None:
         self._orders: SimpleQueue[Callable[[], None] | None] = SimpleQueue()
-        self._threads = [Thread(target=self._serve, name=f"contacts {k}", daemon=True) for k in range(1, count + 1)]
+        self._threads = [Helper(target=self._serve, name=f"contacts {k}", daemon=True) for k in range(1, count + 1)]
         for thread in self._threads:
             thread.start()
 

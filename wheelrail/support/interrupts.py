@@ -10,7 +10,7 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from threading import current_thread, main_thread
+from threading import Thread, current_thread, main_thread
 from time import monotonic
 from types import FrameType
 
@@ -60,15 +60,22 @@ def deferred_interrupts() -> Iterator[None]:
             before(signal.SIGINT, None)
 
 
+class Helper(Thread):
+    """A thread that works for the main one, which awaits it."""
+
+
 def check_interrupt() -> None:
     """Raise KeyboardInterrupt if a Ctrl-C is deferred; to be called where no state is incomplete.
 
-    In the main thread it is then no longer deferred.
+    In the main thread it is then no longer deferred; of others only a `Helper` is interrupted.
     """
-    if _waiting is not None and _waiting.time is not None:
-        if current_thread() is main_thread():
-            _waiting.time = None
-        raise KeyboardInterrupt
+    if _waiting is None or _waiting.time is None:
+        return
+    if current_thread() is main_thread():
+        _waiting.time = None
+    elif not isinstance(current_thread(), Helper):
+        return
+    raise KeyboardInterrupt
 
 
 def ignore() -> None:
