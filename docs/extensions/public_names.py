@@ -90,7 +90,6 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
     ),
     "Vehicle: steady states": (
         "wheelrail.vehicle.steady.equilibrium",
-        "wheelrail.vehicle.steady.curving",
         "wheelrail.vehicle.steady.modes",
         "wheelrail.vehicle.steady.critical_speed",
     ),

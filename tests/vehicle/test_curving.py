@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from importlib import import_module
 from itertools import pairwise
 from math import asin, cos, inf, nan, sin
@@ -17,10 +18,10 @@ from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
+from wheelrail.vehicle.multibody.wheel_forces import WheelsetForces, wheelset_forces
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
-from wheelrail.vehicle.steady.curving import SteadyCurving
 from wheelrail.vehicle.steady.equilibrium import Equilibrium, EquilibriumError, equilibria, equilibrium
 from wheelrail.vehicle.steady.steady_problem import SteadyProblem
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
@@ -35,8 +36,44 @@ def dynamics(contact: VehicleContact, curve: ConstantCurve) -> VehicleDynamics:
     return wagon_dynamics(WAGON, curve.track, contact, curve.speed)
 
 
+@dataclass(frozen=True)
+class SteadyCurving:
+    """Forces and positions of an equilibrium in a curve."""
+
+    equilibrium: Equilibrium
+
+    @cached_property
+    def forces(self) -> WheelsetForces:
+        at = self.equilibrium
+        return wheelset_forces(at.dynamics, at.state, at.contacts)["wheelset"]
+
+    @property
+    def load(self) -> dict[Side, float]:
+        return {side: wheel.vertical for side, wheel in self.forces.wheels.items()}
+
+    @property
+    def unloading(self) -> float:
+        return 1.0 - 2.0 * min(self.load.values()) / sum(self.load.values())
+
+    @property
+    def yaw_reaction(self) -> float:
+        at = self.equilibrium
+        return at.dynamics.yaw_reactions(0.0, at.state, wheelset_wrenches(at.contacts)).item()
+
+    def element(self, name: str, quantity: int) -> float:
+        """Lateral deflection (0) or force (1) of an element."""
+        d = self.equilibrium.dynamics
+        values = d.bodies.element_states([d.speed_profile(0.0)], self.equilibrium.state[None])
+        return float(values[quantity][0, list(d.vehicle.elements).index(name), 1])
+
+    @property
+    def bodies(self) -> np.ndarray:
+        """y, z, roll of car body, bogie and wheelset."""
+        return self.equilibrium.state[:9].reshape(3, 3)
+
+
 def curving(contact: VehicleContact, curve: ConstantCurve) -> SteadyCurving:
-    return SteadyCurving(curve, equilibrium(dynamics(contact, curve)))
+    return SteadyCurving(equilibrium(dynamics(contact, curve)))
 
 
 def on_paper(curve: ConstantCurve, contact: LinearContact = SPRINGS, *, simpler: bool = False) -> dict[str, float]:
@@ -115,13 +152,13 @@ def on_paper(curve: ConstantCurve, contact: LinearContact = SPRINGS, *, simpler:
 
 def found_in(steady: SteadyCurving) -> dict[str, float]:
     """The same of a left-hand curve, whose outer side is the right."""
-    y, _, roll = steady.car_body
+    y, _, roll = steady.bodies[0]
     return {
-        "outer": steady.wheel_load["right"],
-        "inner": steady.wheel_load["left"],
-        "lateral": steady.lateral_force,
-        "deflection": -steady.secondary_deflection,
-        "stop": steady.bumpstop_force,
+        "outer": steady.load["right"],
+        "inner": steady.load["left"],
+        "lateral": steady.forces.track_shifting,
+        "deflection": -0.5 * sum(steady.element(f"{side}_secondary_spring", 0) for side in ("left", "right")),
+        "stop": steady.element("bumpstop", 1),
         "aside": -y,
         "roll": roll,
     }
@@ -156,15 +193,15 @@ def test_balance_of_the_whole_wagon(contact) -> None:  # type: ignore[no-untyped
     steady = curving(contact, PAPER)
     w, (v, k) = WAGON.plane, (PAPER.speed, PAPER.curvature)
     a, n = PAPER.unbalanced(), v * v * k * sin(PAPER.angle) + w.gravity * cos(PAPER.angle)
-    bodies = list(zip((w.car_body, w.bogie, w.wheelset), (steady.car_body, steady.bogie, steady.wheelset), strict=True))
+    bodies = list(zip((w.car_body, w.bogie, w.wheelset), steady.bodies, strict=True))
     mass = sum(b.mass for b, _ in bodies)
-    assert steady.lateral_force == pytest.approx(mass * a, rel=3e-4)  # on this radius, and a little inside of it
-    assert sum(steady.wheel_load.values()) == pytest.approx(mass * n, rel=1e-5)
+    assert steady.forces.track_shifting == pytest.approx(mass * a, rel=3e-4)  # a little inside of this radius
+    assert sum(steady.load.values()) == pytest.approx(mass * n, rel=1e-5)
     overturning = sum(b.mass * (a * (b.height + x[1]) - n * x[0]) for b, x in bodies)
     gyroscopic = w.wheelset.pitch_inertia * v / 0.46 * v * k * cos(PAPER.angle)
     assert gyroscopic == pytest.approx(411.0, abs=1.0)
     moment = sum(c.moment[0] for c in steady.equilibrium.contacts["wheelset"].values())
-    moment += steady.wheelset[0] * mass * n - (0.46 + steady.wheelset[1]) * steady.lateral_force
+    moment += steady.bodies[2, 0] * mass * n - (0.46 + steady.bodies[2, 1]) * steady.forces.track_shifting
     assert -moment == pytest.approx(overturning + gyroscopic, rel=1e-3)
 
 
@@ -172,7 +209,7 @@ def test_speed_of_balance() -> None:
     speed = PAPER.balance_speed()
     assert speed**2 / 1200 / 9.81 == pytest.approx(np.tan(np.arcsin(0.04)), rel=1e-12)
     steady = curving(SPRINGS, replace(PAPER, speed=speed))
-    assert abs(steady.lateral_force) < 1e-4 * 14.39e3
+    assert abs(steady.forces.track_shifting) < 1e-4 * 14.39e3
     assert PAPER.deficiency() == pytest.approx(0.198, abs=1e-4)
     assert replace(PAPER, speed=speed).deficiency() == pytest.approx(0.0, abs=1e-4)  # that formula takes sin for tan
     assert abs(replace(PAPER, speed=speed).unbalanced()) < 1e-12
@@ -183,32 +220,35 @@ def test_right_hand_curve_is_the_mirror_image(contact) -> None:  # type: ignore[
     """Within the tolerance of the equilibrium, 1e-6 of the axle load."""
     left, right = (curving(contact, replace(PAPER, curvature=sign / 1200)) for sign in (1, -1))
     other = {"left": "right", "right": "left"}
-    for name in ("wheel_load", "guiding_force", "derailment_quotient"):
-        for side, value in getattr(left, name).items():
-            assert getattr(right, name)[other[side]] == pytest.approx(value, rel=2e-5)
-    for name in ("lateral_force", "secondary_deflection", "bumpstop_force"):
-        assert getattr(right, name) == pytest.approx(-getattr(left, name), rel=2e-5)
+    for side, wheel in left.forces.wheels.items():
+        for name in ("vertical", "guiding", "derailment_quotient"):
+            mirrored = getattr(right.forces.wheels[other[side]], name)
+            assert mirrored == pytest.approx(getattr(wheel, name), rel=2e-5)
+        deflection = right.element(f"{other[side]}_secondary_spring", 0)
+        assert deflection == pytest.approx(-left.element(f"{side}_secondary_spring", 0), rel=2e-5)
+    assert right.element("bumpstop", 1) == pytest.approx(-left.element("bumpstop", 1), rel=2e-5)
+    assert right.forces.track_shifting == pytest.approx(-left.forces.track_shifting, rel=2e-5)
     assert right.yaw_reaction == pytest.approx(-left.yaw_reaction, rel=2e-5)
     assert right.unloading == pytest.approx(left.unloading, rel=2e-5)
-    assert left.lateral_force > 0.0  # towards the centre of a left-hand curve
-    assert left.guiding_force["right"] > left.guiding_force["left"]
+    assert left.forces.track_shifting > 0.0  # towards the centre of a left-hand curve
+    assert left.forces.right.guiding > left.forces.left.guiding
     outer = left.equilibrium.contacts["wheelset"]["right"].force
-    assert left.derailment_quotient["right"] == outer[1] / outer[2]
+    assert left.forces.right.derailment_quotient == outer[1] / outer[2]
 
 
 def test_continuation_over_speeds() -> None:
     curves = [replace(PAPER, speed=float(v)) for v in np.linspace(20.0, 50.0, 7)]
     together, alone = CountedContact(CONTACT), CountedContact(CONTACT)
     states = equilibria(dynamics(together, PAPER), [curve.speed for curve in curves])
-    found = [SteadyCurving(*own) for own in zip(curves, states, strict=True)]
+    found = [SteadyCurving(state) for state in states]
     each = [curving(alone, curve) for curve in curves]
     for one, other in zip(found, each, strict=True):
-        assert one.wheel_load["right"] == pytest.approx(other.wheel_load["right"], rel=1e-5)
-        assert one.car_body == pytest.approx(other.car_body, abs=1e-6)
+        assert one.load["right"] == pytest.approx(other.load["right"], rel=1e-5)
+        assert one.bodies[0] == pytest.approx(other.bodies[0], abs=1e-6)
     assert together.costs["left"].solves < 0.75 * alone.costs["left"].solves
     assert all(a.unloading < b.unloading for a, b in pairwise(found))
     wider = [curving(CONTACT, replace(PAPER, curvature=1 / r)) for r in (800, 1200, 3000)]
-    assert [s.bumpstop_force > 0.0 for s in wider] == [True, True, False]
+    assert [s.element("bumpstop", 1) > 0.0 for s in wider] == [True, True, False]
 
 
 def test_transient_run_as_initial_guess(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -228,7 +268,7 @@ def test_transient_run_as_initial_guess(monkeypatch: pytest.MonkeyPatch) -> None
     assert starts[2][:9] == pytest.approx(
         expected.equilibrium.state[:9], abs=2e-3
     )  # after 6 s a small transient remains
-    assert found.wheel_load["right"] == pytest.approx(expected.wheel_load["right"], rel=1e-5)
+    assert found.load["right"] == pytest.approx(expected.load["right"], rel=1e-5)
     assert found.equilibrium.iterations <= 6
 
 

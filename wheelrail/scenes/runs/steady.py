@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,6 @@ from wheelrail.support.interrupts import deferred_interrupts
 
 if TYPE_CHECKING:
     from wheelrail.contact.kinematics.frames import Side
-    from wheelrail.contact.results.result import Patch
     from wheelrail.vehicle.multibody.equations import VehicleDynamics
     from wheelrail.vehicle.multibody.wheel_forces import WheelForces, WheelsetForces
     from wheelrail.vehicle.steady.critical_speed import CriticalSpeed
@@ -147,38 +146,105 @@ _MODE = (
 )
 
 
+class _Curving(NamedTuple):
+    """Steady position of the plane wagon in a curve.
+
+    Parameters:
+        curve: curve and speed.
+        forces: of the wheels.
+        position: m and rad by body and coordinate, as "car_body_y".
+        elements: lateral deflection m of each suspension element, and its force N on the upper body.
+        yaw_reaction: N m.
+    """
+
+    curve: ConstantCurve
+    forces: WheelsetForces
+    position: dict[str, float]
+    elements: dict[str, tuple[float, float]]
+    yaw_reaction: float
+
+
 def curving_table(states: Sequence[Equilibrium], curve: ConstantCurve) -> ResultTable:
     """Table of the plane wagon with one column per speed; curve: that of the states, at any speed."""
-    from wheelrail.vehicle.steady.curving import SteadyCurving
+    from wheelrail.vehicle.multibody.coordinates import Y
+    from wheelrail.vehicle.multibody.equations import wheelset_wrenches
+    from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
 
-    rows = [SteadyCurving(replace(curve, speed=at.dynamics.speed_profile(0.0).speed), at) for at in states]
+    rows = []
+    for at in states:
+        d, travel = at.dynamics, at.dynamics.speed_profile(at.time)
+        (forces,) = wheelset_forces(d, at.state, at.contacts, at.time).values()
+        lateral = np.stack(d.bodies.element_states([travel], at.state[None]))[:, 0, :, Y].T.tolist()
+        rows.append(
+            _Curving(
+                replace(curve, speed=travel.speed),
+                forces,
+                dict(zip(d.coordinates.names, at.state.tolist(), strict=False)),
+                {name: (m, n) for name, (m, n) in zip(d.vehicle.elements, lateral, strict=True)},
+                d.yaw_reactions(at.time, at.state, wheelset_wrenches(at.contacts)).item(),
+            )
+        )
     title = f"Steady-state curving: curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
     return ResultTable("curving", title, _CURVING, rows, across=True)
 
 
-def _positions(patches: Sequence[Patch]) -> list[list[float]]:
-    return [[patch.wheel_s, patch.rail_s] for patch in patches]
+def _unloading(row: _Curving) -> float:
+    """Relative reduction of the load of the lighter wheel."""
+    loads = [wheel.vertical for wheel in row.forces.wheels.values()]
+    return 1.0 - 2.0 * min(loads) / sum(loads)
 
 
+def _secondary(row: _Curving) -> float:
+    """Lateral deflection of the secondary springs, mean of both sides, m."""
+    return 0.5 * (row.elements["left_secondary_spring"][0] + row.elements["right_secondary_spring"][0])
+
+
+def _positions(side: Side) -> Callable[[_Curving], list[list[float]]]:
+    return lambda row: [[patch.wheel_s, patch.rail_s] for patch in row.forces.wheels[side].patches]
+
+
+class _Wheelset(NamedTuple):
+    """Name and forces of a wheelset."""
+
+    name: str
+    forces: WheelsetForces
+
+
+def _wheels(value: Callable[[WheelForces], float]) -> Callable[[_Wheelset | _Curving], dict[Side, float]]:
+    return lambda row: {side: value(wheel) for side, wheel in row.forces.wheels.items()}
+
+
+_FORCES = (
+    Column("wheel_load", "wheel load Q, left, right", _wheels(lambda wheel: wheel.vertical), "kN", 2),
+    Column("guiding_force", "guiding force Y, positive outwards", _wheels(lambda wheel: wheel.guiding), "kN", 2),
+    Column("derailment_quotient", "derailment quotient Y/Q", _wheels(lambda w: w.derailment_quotient), "1", 3),
+)
 _CURVING = (
     Column("speed", "speed", lambda s: s.curve.speed, "m/s"),
     Column("curvature", "", lambda s: s.curve.curvature, "1/m"),
     Column("cant", "", lambda s: s.curve.cant, "m"),
     Column("cant_deficiency", "cant deficiency", lambda s: s.curve.deficiency(), "mm", 1),
-    Column("wheel_load", "wheel load Q, left, right", lambda s: s.wheel_load, "kN", 2),
-    Column("guiding_force", "guiding force Y, positive outwards", lambda s: s.guiding_force, "kN", 2),
-    Column("derailment_quotient", "derailment quotient Y/Q", lambda s: s.derailment_quotient, "1", 3),
-    Column("lateral_force", "lateral force on the wheelset", lambda s: s.lateral_force, "kN", 2),
-    Column("unloading", "wheel unloading", lambda s: s.unloading, "%", 1),
-    Column("secondary_deflection", "secondary deflection", lambda s: s.secondary_deflection, "mm", 1),
-    Column("bumpstop_force", "bumpstop force", lambda s: s.bumpstop_force, "kN", 2),
-    Column("car_body_y", "car body: y", lambda s: s.car_body[0].item(), "mm", 1),
-    Column("car_body_roll", "car body: roll", lambda s: s.car_body[2].item(), "mrad", 2),
-    Column("wheelset_y", "wheelset: y", lambda s: s.wheelset[0].item(), "mm", 2),
-    Column("wheelset_roll", "wheelset: roll", lambda s: s.wheelset[2].item(), "mrad", 3),
+    *_FORCES,
+    Column("lateral_force", "lateral force on the wheelset", lambda s: s.forces.track_shifting, "kN", 2),
+    Column("unloading", "wheel unloading", _unloading, "%", 1),
+    Column("secondary_deflection", "secondary deflection", _secondary, "mm", 1),
+    Column("bumpstop_force", "bumpstop force", lambda s: s.elements["bumpstop"][1] + 0.0, "kN", 2),  # never -0
+    Column("car_body_y", "car body: y", lambda s: s.position["car_body_y"], "mm", 1),
+    Column("car_body_roll", "car body: roll", lambda s: s.position["car_body_roll"], "mrad", 2),
+    Column("wheelset_y", "wheelset: y", lambda s: s.position["wheelset_y"], "mm", 2),
+    Column("wheelset_roll", "wheelset: roll", lambda s: s.position["wheelset_roll"], "mrad", 3),
     Column("yaw_reaction", "yaw reaction", lambda s: s.yaw_reaction, "kN m", 2),
-    Column("left_positions", "left: position on wheel, on rail", lambda s: _positions(s.patches["left"]), "mm", 1),
-    Column("right_positions", "right: position on wheel, on rail", lambda s: _positions(s.patches["right"]), "mm", 1),
+    Column("left_positions", "left: position on wheel, on rail", _positions("left"), "mm", 1),
+    Column("right_positions", "right: position on wheel, on rail", _positions("right"), "mm", 1),
+)
+_WHEELSET = (
+    Column("wheelset", "wheelset", lambda row: row.name),
+    Column("y", "lateral displacement y", lambda row: row.forces.y, "mm", 3),
+    Column("yaw", "yaw", lambda row: row.forces.yaw, "mrad", 3),
+    *_FORCES,
+    Column("track_shifting_force", "sum of Y, positive to the right", lambda r: r.forces.track_shifting, "kN", 2),
+    Column("longitudinal_force", "longitudinal force on the wheel", _wheels(lambda w: w.longitudinal), "kN", 2),
+    Column("wear_number", "wear number T gamma", _wheels(lambda wheel: wheel.wear_number), "N", 1),
 )
 
 
@@ -238,30 +304,13 @@ def _critical_speed(
     ]
 
 
-def _wheels(value: Callable[[WheelForces], float]) -> Callable[[tuple[str, WheelsetForces]], dict[Side, float]]:
-    return lambda row: {side: value(wheel) for side, wheel in row[1].wheels.items()}
-
-
-_WHEELSET = (
-    Column("wheelset", "wheelset", lambda row: row[0]),
-    Column("y", "lateral displacement y", lambda row: row[1].y, "mm", 3),
-    Column("yaw", "yaw", lambda row: row[1].yaw, "mrad", 3),
-    Column("wheel_load", "wheel load Q, left, right", _wheels(lambda wheel: wheel.vertical), "kN", 2),
-    Column("guiding_force", "guiding force Y, positive outwards", _wheels(lambda wheel: wheel.guiding), "kN", 2),
-    Column("derailment_quotient", "derailment quotient Y/Q", _wheels(lambda w: w.derailment_quotient), "1", 3),
-    Column("track_shifting_force", "sum of Y, positive to the right", lambda row: row[1].track_shifting, "kN", 2),
-    Column("longitudinal_force", "longitudinal force on the wheel", _wheels(lambda w: w.longitudinal), "kN", 2),
-    Column("wear_number", "wear number T gamma", _wheels(lambda wheel: wheel.wear_number), "N", 1),
-)
-
-
 def wheelsets_table(at: Equilibrium, curve: ConstantCurve | None = None) -> ResultTable:
     """Table of attitude and forces with one column per wheelset; curve for its title."""
     from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
 
     speed = at.dynamics.speed_profile(0.0).speed
     where = "straight track" if curve is None else f"curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
-    rows = list(wheelset_forces(at.dynamics, at.state, at.contacts).items())
+    rows = [_Wheelset(*own) for own in wheelset_forces(at.dynamics, at.state, at.contacts).items()]
     columns = [*_WHEELSET, Column("speed", "", lambda row: speed, "m/s")]
     return ResultTable("wheelsets", f"Wheelsets at {speed:g} m/s: {where}", columns, rows, across=True)
 
