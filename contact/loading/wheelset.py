@@ -21,6 +21,7 @@ from wheelrail.support.arrays import Array
 DEEPEST = 0.05  # m below the nominal height, limit of the search
 FRICTIONLESS = 1e-3  # tolerance of the load without friction, for a first depth
 DEEP = 3.0  # times the expected approach: too large a penetration to start from
+SHALLOW = 1e-3  # times that: 0.8 nm of a cylinder on a plane, as long as wide, took 7 GB on the finest strips
 TOO_FAR = 50.0  # times the expected approach, with which no wheel carries its load: steep flanges take 35 times at most
 HELD = 2e-4  # m, as under usual loads: friction may hold a wheel down on a steep flange to this under any load
 STEPS, FLATTEST = 12, 0.1  # to a start without a solve; smallest change of the penetration by the height that they use
@@ -140,7 +141,7 @@ def wheels_under_load(
     depths, results, trials = find_depths_for_loads(
         wheels,
         np.full(2, load),
-        start=_start_together(contact, state, starts),
+        start=_start_together(contact, state, starts, expected),
         slopes=np.array([start.slope for start in starts]),
         guess=tuple(start.results[0] for start in starts),
         rtol=rtol,
@@ -149,7 +150,9 @@ def wheels_under_load(
     return WheelsetEquilibrium(at_depths(state, depths, base), dict(zip(SIDES, results, strict=True)), solves)
 
 
-def _start_together(contact: WheelsetContact, state: WheelsetState, starts: list[LoadSolution]) -> Array:
+def _start_together(
+    contact: WheelsetContact, state: WheelsetState, starts: list[LoadSolution], expected: float
+) -> Array:
     """Depths (2,) m from which both wheels are solved, from those at which each carries its load at the state's roll:
     one that is far deeper at the roll of both, as on a flange by millimetres, is lifted to its approach under the load.
     """
@@ -160,7 +163,7 @@ def _start_together(contact: WheelsetContact, state: WheelsetState, starts: list
         lowered = at_depths(state, depths, contact.mounting.wheel_y)
         known = [_penetration(contact.of(side), lowered, side) for side in SIDES]
         penetration = np.array([own if own is not None else np.nan for own in known])
-        deep = penetration > DEEP * approach
+        deep = penetration > approach + expected
         if not deep.any():
             break
         way = depths - before[0]
@@ -210,7 +213,7 @@ def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, e
     largest = expected if isinstance(own.model, HasProblem) else DEEP * expected
     for step in range(STEPS):
         penetration = _penetration(own, replace(state, z=-depth), side)
-        if penetration is None or 0.0 <= penetration <= largest:
+        if penetration is None or SHALLOW * expected <= penetration <= largest:
             break
         # on a flange face the distance of both surfaces changes by a part of the height
         change = (penetration - before[1]) / (depth - before[0]) if step > 0 and depth != before[0] else 1.0

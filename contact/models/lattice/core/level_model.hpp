@@ -198,7 +198,7 @@ class LevelModel {
             done.warm = solution;
             return done;
         }
-        throw NotConverged("the pressure is negative at an end of a strip; more strips may serve");
+        throw NotConverged(problem.tension(solution->state));
     }
 };
 

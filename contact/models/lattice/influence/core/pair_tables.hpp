@@ -99,7 +99,8 @@ inline StripsOnLines strips_on_lines(const Lattice& lattice, const View<const bo
         double half = 0.5 * lattice.width(k);
         double middle = std::min(std::max(feet(k), lattice.bounds(0) + half), lattice.bounds(1) - half);
         on.place(k) = i, on.width(i) = lattice.width(k), on.middle(i++) = middle;
-        on.low = std::min(on.low, middle - half), on.high = std::max(on.high, middle + half);
+        on.low = std::min(on.low, std::max(middle - half, lattice.bounds(0)));  // despite round-off
+        on.high = std::max(on.high, std::min(middle + half, lattice.bounds(1)));
     }
     return on;
 }

@@ -15,6 +15,7 @@
 namespace wr {
 
 inline const char* const PATCH_TOO_LONG = "the patch is longer than the tables of influence";
+inline const char* const TENSION = "the pressure is negative at an end of a strip; more strips may serve";
 inline const char* const PROFILE_ENDS = "where a profile ends";
 constexpr double MISSED = 1e-4;  // m, largest overlap that strips may miss: as means over their widths they have less
 
@@ -193,6 +194,13 @@ class LatticeProblem {
             if (pressure < at.least_pressure) return true;
         return false;
     }
+    // Text on the largest tension of a solution with it, and its place.
+    std::string tension(const LatticeState& state) const {
+        auto pressures = cell_pressures(state.values, at.basis, at.rolls());
+        auto cell = std::min_element(pressures.begin(), pressures.end()) - pressures.begin();
+        return at.surface.revolves ? overlap_at(state.strips[cell / at.cells()], std::string("where ") + TENSION)
+                                   : TENSION;
+    }
 
   private:
     double reach() const { return lines.window[1] - lines.window[0]; }
@@ -219,7 +227,7 @@ class LatticeProblem {
     }
     Point<double> on_wheel(double s) const { return local(at.surface.wheel, s).point; }
     // Text on a strip that penetrates where it is not solved.
-    std::string overlap_at(long strip, const char* reason) const {
+    std::string overlap_at(long strip, const std::string& reason) const {
         if (!at.surface.revolves) return BEYOND;
         return overlap_text(lines.depth(strip), on_wheel(lattice().middle(strip)), reason);
     }
