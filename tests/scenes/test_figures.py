@@ -216,7 +216,7 @@ def test_inner_and_outer_side_of_a_curve(curvature: float, inner: str) -> None:
 
 def test_force_curves_are_those_of_the_data() -> None:
     data = dataset(history())
-    (ax,) = figures.vertical_forces(data).axes
+    (ax,) = figures.of_wheels("vertical_force", data).axes
     curves = {str(line.get_label()): line for line in ax.lines}
     assert set(curves) == {"left (inner)", "right (outer)"}
     assert np.asarray(curves["right (outer)"].get_ydata()) == pytest.approx(

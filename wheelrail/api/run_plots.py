@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -41,9 +40,7 @@ class RunPlots:
         Parameters:
             figure: Matplotlib figure.
         """
-        from wheelrail.scenes.plots.runs import displacements
-
-        return self._drawn(displacements, figure)
+        return self._drawn("lateral_displacement", figure)
 
     def lateral_forces(self, figure: Figure | None = None) -> tuple[Axes, ...]:
         """Lateral contact force on all wheels, kN.
@@ -51,9 +48,7 @@ class RunPlots:
         Parameters:
             figure: Matplotlib figure.
         """
-        from wheelrail.scenes.plots.runs import lateral_forces
-
-        return self._drawn(lateral_forces, figure)
+        return self._drawn("lateral_force", figure)
 
     def vertical_forces(self, figure: Figure | None = None) -> tuple[Axes, ...]:
         """Vertical contact force on all wheels, kN.
@@ -61,9 +56,7 @@ class RunPlots:
         Parameters:
             figure: Matplotlib figure.
         """
-        from wheelrail.scenes.plots.runs import vertical_forces
-
-        return self._drawn(vertical_forces, figure)
+        return self._drawn("vertical_force", figure)
 
     def bands(self, body: Literal["wheel", "rail"] = "wheel", figure: Figure | None = None) -> tuple[Axes, ...]:
         """Lateral extent of the patches on all wheels or rails, mm, coloured by peak pressure, MPa.
@@ -72,12 +65,12 @@ class RunPlots:
             body: "wheel" or "rail".
             figure: Matplotlib figure.
         """
-        from wheelrail.scenes.plots.runs import rail_sections, wheel_sections
-
         if body not in ("wheel", "rail"):
             raise ValueError(f'body = {body!r}: must be "wheel" or "rail"')
-        return self._drawn(wheel_sections if body == "wheel" else rail_sections, figure)
+        return self._drawn(f"contact_on_{body}", figure)
 
-    def _drawn(self, draw: Callable[..., Figure], figure: Figure | None) -> tuple[Axes, ...]:
+    def _drawn(self, name: str, figure: Figure | None) -> tuple[Axes, ...]:
+        from wheelrail.scenes.plots.runs import PAPER
+
         with styled():
-            return panels(draw(self.data, shown(figure)))
+            return panels(PAPER[name](self.data, shown(figure)))

@@ -12,7 +12,7 @@ from wheelrail.scenes.html_report.extremes import extreme_tables
 from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
 from wheelrail.scenes.html_report.views import run_view
-from wheelrail.scenes.plots.runs import CHORD, pictures_of, t_gamma
+from wheelrail.scenes.plots.runs import CHORD, energy, of_wheels, pictures_of
 from wheelrail.scenes.schema.errors import SceneError
 
 if TYPE_CHECKING:
@@ -171,13 +171,12 @@ def _figures(data: Dataset) -> Iterator[PagePicture | None]:
 def _drawings(data: Dataset) -> dict[str, Callable[[], Figure]]:
     """Functions that draw the figures, by name."""
     from wheelrail.scenes.plots.comparison import shakedown_map
-    from wheelrail.scenes.plots.energy import energy_figure
 
     functions: dict[str, Callable[[], Figure]] = {name: partial(draw, data) for name, draw in pictures_of(data).items()}
     if "t_gamma" in data:
-        functions["t_gamma"] = partial(t_gamma, data)
+        functions["t_gamma"] = partial(of_wheels, "t_gamma", data)
     if "mechanical_energy" in data:
-        functions["energy"] = partial(energy_figure, data)
+        functions["energy"] = partial(energy, data)
     if "patch_load_factor" in data:
         functions["shakedown"] = partial(shakedown_map, [data], ["patches"])
     return functions

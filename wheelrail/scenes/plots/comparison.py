@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.datasets.run_differences import full_curve, rms, scatter
 from wheelrail.scenes.datasets.run_schema import of_wagon
-from wheelrail.scenes.plots.runs import along_track, named, patch_bands
+from wheelrail.scenes.plots.runs import WHEELS, along_track, named, patch_bands
 from wheelrail.scenes.plots.style import save, styled
 
 if TYPE_CHECKING:
@@ -49,34 +50,28 @@ def displacements(runs: Runs, names: Names) -> Figure:
     return figure
 
 
-def lateral_forces(runs: Runs, names: Names) -> Figure:
-    """Lateral contact force on each wheel, Figs. 13 and 15."""
-    return _by_side(runs, names, "lateral_force", 1e-3, "Lateral contact force", "Y, positive to the left [kN]")
+def of_wheels(name: str, runs: Runs, names: Names) -> Figure:
+    """A quantity of each wheel, Figs. 13 to 16; name: of a variable, in `WHEELS`."""
+    scale, title, label = WHEELS[name]
+    figure, axes = along_track(runs[0], 2)
+    for ax, side in zip(axes, runs[0]["side"].values, strict=True):
+        for data, run, look in zip(runs, names, LOOKS, strict=True):
+            ax.plot(data["distance"], scale * of_wagon(data, name).sel(side=side), label=run, **look)
+        ax.set_title(f"{title}, {named(str(side), runs[0])}")
+        ax.set_ylabel(label)
+    axes[0].legend(loc="best", ncols=2)
+    return figure
 
 
-def vertical_forces(runs: Runs, names: Names) -> Figure:
-    """Vertical contact force on each wheel, Figs. 14 and 16."""
-    return _by_side(runs, names, "vertical_force", 1e-3, "Vertical contact force", "Q, positive upwards [kN]")
-
-
-def longitudinal_forces(runs: Runs, names: Names) -> Figure:
-    """Longitudinal contact force on each wheel."""
-    return _by_side(runs, names, "longitudinal_force", 1e-3, "Longitudinal contact force", "X, positive forward [kN]")
-
-
-def t_gamma(runs: Runs, names: Names) -> Figure:
-    """Frictional energy per metre of track, each wheel."""
-    return _by_side(runs, names, "t_gamma", 1.0, "T-gamma", "frictional energy per metre [N]")
-
-
-def wheel_sections(runs: Runs, names: Names) -> Figure:
-    """Patches of the first model on the wheels as bands and contact points of the second, Figs. 17 and 18."""
-    return _sections(runs, names, "wheel", "from the rolling circle,\npositive to the field side [mm]")
-
-
-def rail_sections(runs: Runs, names: Names) -> Figure:
-    """The same on the rails, Figs. 19 and 20."""
-    return _sections(runs, names, "rail", "from the top of the rail,\npositive to the field side [mm]")
+def sections(body: str, runs: Runs, names: Names) -> Figure:
+    """Patches of the first model on the wheels or rails as bands, contact points of the second, Figs. 17 to 20."""
+    figure, points = patch_bands(body, runs[0]), runs[1]
+    for ax, side in zip(figure.axes, points["side"].values, strict=False):  # the last axes are the colour bar
+        position = 1e3 * of_wagon(points, f"{body}_y").sel(side=side).values
+        distance = np.broadcast_to(points["distance"].values[:, None], position.shape)
+        ax.plot(distance.ravel(), position.ravel(), ".", ms=2.2, color=DOTS, label=f"contact points, {names[1]}")
+    figure.axes[0].legend(loc="lower left", title=f"bands: patches, {names[0]}", alignment="left")
+    return figure
 
 
 def force_scatter(runs: Runs, names: Names) -> Figure:
@@ -126,34 +121,12 @@ def shakedown_map(runs: Runs, names: Names) -> Figure:
 
 PICTURES: dict[str, Callable[[Runs, Names], Figure]] = {
     "compare_displacement": displacements,
-    "compare_lateral_force": lateral_forces,
-    "compare_vertical_force": vertical_forces,
-    "compare_longitudinal_force": longitudinal_forces,
-    "compare_on_wheel": wheel_sections,
-    "compare_on_rail": rail_sections,
-    "compare_t_gamma": t_gamma,
+    "compare_lateral_force": partial(of_wheels, "lateral_force"),
+    "compare_vertical_force": partial(of_wheels, "vertical_force"),
+    "compare_longitudinal_force": partial(of_wheels, "longitudinal_force"),
+    "compare_on_wheel": partial(sections, "wheel"),
+    "compare_on_rail": partial(sections, "rail"),
+    "compare_t_gamma": partial(of_wheels, "t_gamma"),
     "compare_scatter": force_scatter,
     "compare_shakedown": shakedown_map,
 }
-
-
-def _by_side(runs: Runs, names: Names, variable: str, scale: float, title: str, label: str) -> Figure:
-    figure, axes = along_track(runs[0], 2)
-    for ax, side in zip(axes, runs[0]["side"].values, strict=True):
-        for data, name, look in zip(runs, names, LOOKS, strict=True):
-            ax.plot(data["distance"], scale * of_wagon(data, variable).sel(side=side), label=name, **look)
-        ax.set_title(f"{title}, {named(str(side), runs[0])} wheel")
-        ax.set_ylabel(label)
-    axes[0].legend(loc="best", ncols=2)
-    return figure
-
-
-def _sections(runs: Runs, names: Names, body: str, label: str) -> Figure:
-    figure, axes = patch_bands(runs[0], body, label)
-    points = runs[1]
-    for ax, side in zip(axes, points["side"].values, strict=True):
-        position = 1e3 * of_wagon(points, f"{body}_y").sel(side=side).values
-        distance = np.broadcast_to(points["distance"].values[:, None], position.shape)
-        ax.plot(distance.ravel(), position.ravel(), ".", ms=2.2, color=DOTS, label=f"contact points, {names[1]}")
-    axes[0].legend(loc="lower left", title=f"bands: patches, {names[0]}", alignment="left")
-    return figure

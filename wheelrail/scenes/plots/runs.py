@@ -5,6 +5,7 @@ Figs. 11 to 20 of the paper.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +24,18 @@ if TYPE_CHECKING:
 LEAST_RANGE = 1e-3  # mm, kN or N, of axes over distance: below the tolerances of runs
 # A body on two bogies at a distance a lies inside the centre line of a curve by a^2 / 8R at its own centre.
 CHORD = "in curves y of a long body contains the rise of its chord"
+WHEELS = {  # variables of the wheels: scale, title, label with the shown unit
+    "lateral_force": (1e-3, "Lateral contact force on the wheels", "Y, positive to the left [kN]"),
+    "vertical_force": (1e-3, "Vertical contact force on the wheels", "Q, positive upwards [kN]"),
+    "longitudinal_force": (1e-3, "Longitudinal contact force on the wheels", "X, positive forward [kN]"),
+    "t_gamma": (1.0, "T-gamma of the wheels", "frictional energy per metre [N]"),
+    "guiding_force": (1e-3, "Guiding force Y", "Y, outwards [kN]"),
+    "derailment_quotient": (1.0, "Derailment quotient Y/Q", "Y/Q [1]"),
+}
+BANDS = {
+    "wheel": "from the rolling circle,\npositive to the field side [mm]",
+    "rail": "from the top of the rail,\npositive to the field side [mm]",
+}
 LARGEST_OFFSET, LONGEST_ARROW = 0.3, 1.0  # m in the plan view: displacement of a wheel, force
 
 
@@ -65,41 +78,26 @@ def displacements(data: Dataset, figure: Figure | None = None) -> Figure:
     return figure
 
 
-def lateral_forces(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Lateral contact forces on all wheels, Figs. 13 and 15."""
-    title = "Lateral contact force on the wheels"
-    return _by_wheel(data, 1e-3 * data["lateral_force"], title, "Y, positive to the left [kN]", figure)
+def of_wheels(name: str, data: Dataset, figure: Figure | None = None) -> Figure:
+    """A quantity of all wheels, Figs. 13 to 16: one panel for each wheelset.
 
-
-def vertical_forces(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Vertical contact forces on all wheels, Figs. 14 and 16."""
-    title = "Vertical contact force on the wheels"
-    return _by_wheel(data, 1e-3 * data["vertical_force"], title, "Q, positive upwards [kN]", figure)
-
-
-def t_gamma(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Frictional energy per metre of track of all wheels."""
-    return _by_wheel(data, data["t_gamma"], "T-gamma of the wheels", "frictional energy per metre [N]", figure)
-
-
-def guiding_forces(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Guiding forces Y of all wheels."""
-    return _by_wheel(data, 1e-3 * data["guiding_force"], "Guiding force Y", "Y, outwards [kN]", figure)
-
-
-def derailment_quotients(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Derailment quotients Y/Q of all wheels."""
-    return _by_wheel(data, data["derailment_quotient"], "Derailment quotient Y/Q", "Y/Q [1]", figure)
-
-
-def wheel_sections(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Sections of the contact areas on the wheels, Figs. 17 and 18."""
-    return patch_bands(data, "wheel", "from the rolling circle,\npositive to the field side [mm]", figure)[0]
-
-
-def rail_sections(data: Dataset, figure: Figure | None = None) -> Figure:
-    """Sections of the contact areas on the rails, Figs. 19 and 20."""
-    return patch_bands(data, "rail", "from the top of the rail,\npositive to the field side [mm]", figure)[0]
+    Parameters:
+        name: of a variable, in `WHEELS`.
+        data: Dataset of a run.
+        figure: Matplotlib figure; a new one by default.
+    """
+    scale, title, label = WHEELS[name]
+    names = data["wheelset"].values.tolist()
+    figure, axes = along_track(data, len(names), sharey=True, figure=figure)
+    for ax, wheelset in zip(axes, names, strict=True):
+        for side, style in SIDES.items():
+            values = scale * data[name].sel(wheelset=wheelset, side=side)
+            ax.plot(data["distance"], values, label=named(side, data), **style)
+        ax.set_title(title + _suffix(wheelset, names))
+        ax.set_ylabel(label)
+        least_range(ax)
+    axes[0].legend(loc="best", ncols=2, frameon=True, framealpha=0.85, edgecolor="none")
+    return figure
 
 
 def attitude(data: Dataset, figure: Figure | None = None) -> Figure:
@@ -220,6 +218,20 @@ def traction(data: Dataset, figure: Figure | None = None) -> Figure:
     return figure
 
 
+def energy(data: Dataset) -> Figure:
+    """Change of the mechanical energy and work by cause, kJ, over distance."""
+    figure, (ax,) = along_track(data, 1)
+    change = 1e-3 * (data["mechanical_energy"] - data["mechanical_energy"][0])
+    ax.plot(data["distance"], change, color="0.15", linewidth=1.6, label="mechanical energy")
+    for cause, look in zip(data["cause"].values, cycle(SERIES), strict=False):
+        style = {key: value for key, value in look.items() if key != "marker"}
+        ax.plot(data["distance"], 1e-3 * data["work"].sel(cause=cause), label=f"work of {cause}", **style)
+    ax.set_title("Mechanical energy and work since the start")
+    ax.set_ylabel("energy [kJ]")
+    ax.legend(loc="best", fontsize=7.5)
+    return figure
+
+
 def _motion(data: Dataset, title: str, figure: Figure | None) -> Figure:
     figure, (top, bottom) = along_track(data, 2, figure=figure)
     _lines(top, data, 1e3 * data["body_y"], "body")
@@ -237,25 +249,6 @@ def _lines(ax: Axes, data: Dataset, values: DataArray, dimension: str, over: str
         line: dict[str, Any] = {key: style[key] for key in ("color", "linestyle")}
         ax.plot(data[over], values.sel({dimension: name}), label=literal(str(name)), **line)
     ax.legend(loc="best", ncols=2)
-
-
-PAPER: dict[str, Callable[..., Figure]] = {
-    "lateral_displacement": displacements,
-    "lateral_force": lateral_forces,
-    "vertical_force": vertical_forces,
-    "contact_on_wheel": wheel_sections,
-    "contact_on_rail": rail_sections,
-}
-PICTURES: dict[str, Callable[..., Figure]] = {
-    "attitude": attitude,
-    "guiding_force": guiding_forces,
-    "wheel_load": vertical_forces,
-    "derailment_quotient": derailment_quotients,
-    "track_shifting_force": track_shifting_forces,
-    "t_gamma": t_gamma,
-    "wheelset_motion": wheelset_motion,
-    "body_motion": body_motion,
-}
 
 
 def named(side: str, data: Dataset) -> str:
@@ -320,20 +313,6 @@ def _shade(ax: Axes, distance: Array, curvature: Array) -> None:
         )
 
 
-def _by_wheel(data: Dataset, values: DataArray, title: str, label: str, figure: Figure | None) -> Figure:
-    """One panel for each wheelset with both wheels."""
-    names = data["wheelset"].values.tolist()
-    figure, axes = along_track(data, len(names), sharey=True, figure=figure)
-    for ax, name in zip(axes, names, strict=True):
-        for side, style in SIDES.items():
-            ax.plot(data["distance"], values.sel(wheelset=name, side=side), label=named(side, data), **style)
-        ax.set_title(title + _suffix(name, names))
-        ax.set_ylabel(label)
-        least_range(ax)
-    axes[0].legend(loc="best", ncols=2, frameon=True, framealpha=0.85, edgecolor="none")
-    return figure
-
-
 def _suffix(name: str, names: Sequence[str]) -> str:
     """Name of a wheelset in a title, where there are several."""
     return f", {literal(name)}" if len(names) > 1 else ""
@@ -347,13 +326,12 @@ def least_range(ax: Axes) -> None:
         ax.set_ylim(middle - 0.5 * LEAST_RANGE, middle + 0.5 * LEAST_RANGE)
 
 
-def patch_bands(data: Dataset, body: str, label: str, figure: Figure | None = None) -> tuple[Figure, list[Axes]]:
-    """Lateral extent of every patch along the track, coloured by peak pressure, one panel for each wheel.
+def patch_bands(body: str, data: Dataset, figure: Figure | None = None) -> Figure:
+    """Lateral extent of every patch along the track, coloured by peak pressure, Figs. 17 to 20: a panel for each wheel.
 
     Parameters:
-        data: Dataset of a run.
         body: "wheel" or "rail".
-        label: of the y axes.
+        data: Dataset of a run.
         figure: Matplotlib figure; a new one by default.
     """
     from matplotlib.cm import ScalarMappable
@@ -373,10 +351,10 @@ def patch_bands(data: Dataset, body: str, label: str, figure: Figure | None = No
         ax.add_collection(strips)
         ax.autoscale_view(scalex=False)
         ax.set_title(f"Contact on the {named(side, data)} {body}{_suffix(name, names)}")
-        ax.set_ylabel(label)
+        ax.set_ylabel(BANDS[body])
     bar = figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), ax=axes, pad=0.01, aspect=40)
     bar.set_label("peak pressure of the patch [MPa]")
-    return figure, axes
+    return figure
 
 
 def _strips(distance: Array, band: DataArray, pressure: DataArray) -> tuple[Array, Array]:
@@ -387,3 +365,22 @@ def _strips(distance: Array, band: DataArray, pressure: DataArray) -> tuple[Arra
     start, end = edges[sample], edges[sample + 1]
     corners = [(start, bottom), (end, bottom), (end, top), (start, top)]
     return np.moveaxis(np.array(corners), 2, 0), pressure.values[sample, patch]
+
+
+PAPER: dict[str, Callable[..., Figure]] = {
+    "lateral_displacement": displacements,
+    "lateral_force": partial(of_wheels, "lateral_force"),
+    "vertical_force": partial(of_wheels, "vertical_force"),
+    "contact_on_wheel": partial(patch_bands, "wheel"),
+    "contact_on_rail": partial(patch_bands, "rail"),
+}
+PICTURES: dict[str, Callable[..., Figure]] = {
+    "attitude": attitude,
+    "guiding_force": partial(of_wheels, "guiding_force"),
+    "wheel_load": partial(of_wheels, "vertical_force"),
+    "derailment_quotient": partial(of_wheels, "derailment_quotient"),
+    "track_shifting_force": track_shifting_forces,
+    "t_gamma": partial(of_wheels, "t_gamma"),
+    "wheelset_motion": wheelset_motion,
+    "body_motion": body_motion,
+}
