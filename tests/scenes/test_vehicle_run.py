@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import re
 import signal
@@ -194,21 +193,6 @@ def test_table_and_picture_state_the_bracket_of_the_fold() -> None:
     assert [row[0] for row in hunting_table(cycles, ["wheelset"]).as_text.rows] == ["70", "65", "63.75", "62.5", "60"]
     (axes,) = _bifurcation(cycles, ["wheelset"]).axes
     assert "between 62.5 and 65 m/s" in axes.get_legend().get_texts()[0].get_text()
-
-
-def test_columns_of_a_table_name_wheelset_side_and_body(whole: Path, tmp_path: Path) -> None:
-    file, data = tmp_path / "run.csv", results(whole)
-    done = CliRunner().invoke(app, ["export", str(whole), "--csv", str(file)])
-    assert done.exit_code == 0, done.stderr
-    table = np.genfromtxt(file, delimiter=",", skip_header=1)
-    with file.open(newline="") as stream:
-        heads = next(csv.reader(stream))
-    assert table.shape == (data.sizes["time"], len(heads))
-    force = data["vertical_force"].sel(wheelset="wheelset_2", side="right")
-    np.testing.assert_array_equal(table[:, heads.index("vertical_force wheelset_2 right [N]")], force)
-    np.testing.assert_array_equal(
-        table[:, heads.index("body_yaw car_body [rad]")], data["body_yaw"].sel(body="car_body")
-    )
 
 
 def test_evaluate_command(whole: Path, tmp_path: Path) -> None:

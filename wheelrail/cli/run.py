@@ -243,7 +243,7 @@ def hunting(
 
 @app.command()
 def evaluate(
-    results: Annotated[Path, typer.Argument(metavar="RUN", help="Results of a vehicle file: run.nc or its folder.")],
+    results: Annotated[Path, typer.Argument(metavar="RUN", help="Results of a run: run.nc or its folder.")],
     start: Annotated[float, typer.Option("--from", metavar="S", help="Start of the section of track, m.")] = 0.0,
     end: Annotated[float, typer.Option("--to", metavar="S", help="End of the section, m.")] = float("inf"),
     alpha: Annotated[
@@ -251,7 +251,7 @@ def evaluate(
         typer.Option("--alpha", metavar="A", min=0.1, max=1.0, help="Factor of the limit of the sum of Y."),
     ] = 1.0,
 ) -> None:
-    """Running safety of a run of a vehicle in three dimensions after EN 14363: sum of Y, Y/Q, Q, instability."""
+    """Running safety of a run after EN 14363: sum of Y, Y/Q, Q, instability."""
     from wheelrail.scenes.runs.safety_table import safety_of, safety_results
 
     with error_lines(""), stdout_for_results():

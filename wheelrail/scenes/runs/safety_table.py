@@ -1,4 +1,4 @@
-"""Running safety of a run of a vehicle after EN 14363, from its results."""
+"""Running safety of a run after EN 14363, from its results."""
 
 from __future__ import annotations
 
