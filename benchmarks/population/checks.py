@@ -153,6 +153,8 @@ def _overlap(situation: Situation, side: Side, section: Section, result: SideRes
     within = float(depth[inside].max(initial=-np.inf))
     unseen = between_points(situation, section, int(np.argmax(depth)))
     allowed = TOUCH + GEOMETRY * abs(result.approach) + unseen + within_strip(section, result)
+    rigid = situation.rigid[side]
+    allowed += rigid.rounding if rigid.corners[int(np.argmax(depth))] else 0.0
     if abs(deepest - result.approach) > allowed:
         at = _where(section, depth)
         yield f"approach {1e6 * result.approach:.2f} um where the overlap is {1e6 * deepest:.2f} um{at}"

@@ -95,6 +95,15 @@ class RigidSide:
         return np.asarray(maximum_filter1d(np.pad(turns, 1), 5))
 
     @cached_property
+    def rounding(self) -> float:
+        """Largest distance m of one spline through all points of the wheel from the outline with its sharp corners: a
+        file does not say how its points are joined.
+        """
+        places, points = zip(*_between_corners(self.wheel.points), strict=True)
+        whole = CubicSpline(arc(self.wheel.points), self.wheel.points)
+        return float(np.hypot(*(whole(np.concatenate(places)) - np.concatenate(points)).T).max())
+
+    @cached_property
     def rail_points(self) -> Array:
         """Points (n, 2) m of the inclined rail from its top."""
         points, c, s = _dense(self.rail.points), np.cos(self.inclination), np.sin(self.inclination)
@@ -182,6 +191,11 @@ class RigidSide:
 
 def _dense(points: Array) -> Array:
     """Points FINE apart on cubic splines through given ones (n, 2) m, from corner to corner."""
+    return np.concatenate([*(part for _, part in _between_corners(points)), points[-1:]])
+
+
+def _between_corners(points: Array) -> list[tuple[Array, Array]]:
+    """Lengths (k,) m along the chords of given points (n, 2) m, and points (k, 2) m there, from corner to corner."""
     s, chords = arc(points), np.diff(points, axis=0)
     turns = np.diff(np.unwrap(np.arctan2(chords[:, 1], chords[:, 0])))
     ends = [0, *(np.flatnonzero(np.abs(turns) > CORNER) + 1), len(s) - 1]
@@ -189,8 +203,8 @@ def _dense(points: Array) -> Array:
     for first, last in pairwise(ends):
         own, place = slice(first, last + 1), s[first : last + 1] - s[first]
         at = np.linspace(0.0, place[-1], int(np.ceil(place[-1] / FINE)) + 1)[:-1]
-        parts.append(CubicSpline(place, points[own])(at))
-    return np.concatenate([*parts, points[-1:]])
+        parts.append((s[first] + at, CubicSpline(place, points[own])(at)))
+    return parts
 
 
 def _highest(points: Array) -> Array:

@@ -347,3 +347,10 @@ def test_a_scan_goes_on_where_no_line_has_failed() -> None:
     )  # fmt: skip
     found = pair.solve(y=-4.60082e-3, z=-7.767916297e-4, roll=-3.28634628e-4, yaw=0.0163129, speed=3.75344)
     assert found.status == "converged"
+
+
+def test_a_file_does_not_say_how_a_corner_is_rounded() -> None:
+    """A spline through all points overshoots the chamfer of the rim of S1002; a cone without one has no corner."""
+    chamfered, smooth = (replace(situation(50079).rigid["left"], wheel=own) for own in (wheel("S1002"), wheel("cone")))
+    assert 5e-6 < chamfered.rounding < 12e-6
+    assert smooth.rounding < 1e-9
