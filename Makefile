@@ -29,7 +29,7 @@ core: bindings/build.ninja
 # Builds for other processors, too, and one with sanitizers: tests compare them.
 builds: bindings/build.ninja
 	$(TOOLS) cmake -DALL_BUILDS=ON bindings
-	$(TOOLS) cmake --build bindings
+	$(TOOLS) cmake --build bindings --target all library
 
 sanitized: $(VENV)/ready-to-test
 	$(TOOLS) cmake -S bindings -B build/sanitized -G Ninja -DSANITIZE=ON -DPython_EXECUTABLE=$(abspath $(PY))

@@ -59,8 +59,8 @@ class DenseSurfaces:
 
     @cached_property
     def _outline(self) -> Path:
-        """The rail's polygon, which extends downwards from its ends."""
-        corners = self._rail[0]
+        """A polygon with a corner every 0.2 mm, 0.5 um off at most, which extends downwards from its ends."""
+        corners = np.concatenate([self._rail[0][:-1:20], self._rail[0][-1:]])
         below = corners[:, 1].min() - 1.0
         return Path(np.concatenate([corners, [[corners[-1, 0], below], [corners[0, 0], below]]]))
 

@@ -285,8 +285,7 @@ def resultants(result: ContactResult) -> Array:
     return np.array([result.force[0], result.force[1], result.moment[2]])
 
 
-@pytest.mark.parametrize("across", [10.2, 10.8])
-@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize(("name", "across"), zip(MESHES, [10.2, 10.8], strict=True))
 def test_creep_forces_against_contact(name: str, across: float) -> None:
     model, at, expected = loaded(name, across)
     a = expected.semi_axes[0]
