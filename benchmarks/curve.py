@@ -20,7 +20,7 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact
-from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.vehicle import wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
@@ -96,7 +96,7 @@ def run(scene: RunScene, contact: WheelsetContact, variant: CurveVariant, second
     with in_threads(tuned, variant.workers) as parallel:
         began, used = perf_counter(), process_time()
         history = simulate(
-            wagon_dynamics(wagon(scene), track(scene), parallel, scene.vehicle.speed_profile),
+            wagon_dynamics(wagon(scene), scene.track.track(), parallel, scene.vehicle.speed_profile),
             (0.0, seconds),
             steps=StepSettings(
                 variant.method, variant.tolerance * scene.solver.rtol, variant.tolerance * scene.solver.atol

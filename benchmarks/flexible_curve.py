@@ -16,7 +16,7 @@ from time import process_time
 
 import numpy as np
 
-from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.vehicle import wagon
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
@@ -50,7 +50,7 @@ def run(keys: str) -> FlexibleRun:
     scene = parse_scene(SCENE.read_text(encoding="utf-8") + keys, SCENE)
     assert isinstance(scene, RunScene)
     contact, structure = run_contact(scene)
-    dynamics = wagon_dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile, structure)
+    dynamics = wagon_dynamics(wagon(scene), scene.track.track(), contact, scene.vehicle.speed_profile, structure)
     simulate(dynamics, (0.0, 0.02), steps=StepSettings("rosenbrock", 3e-3, 3e-6))  # compilation and compliance
     began = process_time()
     history = simulate(dynamics, (0.0, SECONDS), steps=StepSettings("rosenbrock", 3e-3, 3e-6))

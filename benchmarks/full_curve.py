@@ -25,7 +25,7 @@ from benchmarks.paper.tables import markdown
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.models.full.model import FullContact
 from wheelrail.contact.models.wheelset import WheelsetContact
-from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.vehicle import wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
@@ -71,7 +71,7 @@ def scene_of(size: float | None) -> RunScene:
 
 
 def dynamics(scene: RunScene, contact: WheelsetContact) -> VehicleDynamics:
-    return wagon_dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile)
+    return wagon_dynamics(wagon(scene), scene.track.track(), contact, scene.vehicle.speed_profile)
 
 
 def ran(scene: RunScene, model: str, seconds: float | None) -> ModelRun:

@@ -15,7 +15,7 @@ import numpy as np
 from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 from wheelrail.contact.structure.ballast import Ballast, CoRunningTrack, Layers, co_running
 from wheelrail.contact.structure.pads import RailCompliance, RailPads, wavenumber_samples
-from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.vehicle import wagon
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
@@ -89,7 +89,7 @@ def equations(keys: str, *, massless: bool = False) -> VehicleDynamics:
     contact, structure = run_contact(scene)
     if massless and structure is not None:
         structure = QuasiStaticStructure(structure.pairs)
-    return wagon_dynamics(wagon(scene), track(scene), contact, scene.vehicle.speed_profile, structure)
+    return wagon_dynamics(wagon(scene), scene.track.track(), contact, scene.vehicle.speed_profile, structure)
 
 
 @cache

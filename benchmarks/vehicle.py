@@ -20,7 +20,6 @@ import numpy as np
 
 from benchmarks.common.machine import machine_description
 from benchmarks.paper.tables import markdown
-from wheelrail.scenes.builders.vehicle import track
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.runs.steady import curve_of
@@ -77,7 +76,7 @@ def main() -> None:
     scene = load_scene(arguments.scene)
     assert isinstance(scene, RunScene)
     contact, speed = wheelset_contact(scene), scene.vehicle.speed_profile
-    dynamics = VehicleDynamics(load_vehicle(arguments.vehicle), track(scene), contact, speed)
+    dynamics = VehicleDynamics(load_vehicle(arguments.vehicle), scene.track.track(), contact, speed)
     print(machine_description(), "\n")
     print(markdown("part|ms", [[name, f"{value:.2f}"] for name, value in parts(scene, dynamics).items()]))
 

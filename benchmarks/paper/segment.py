@@ -20,7 +20,7 @@ from benchmarks.paper.error import Ran, difference
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.scenes.builders.vehicle import track, wagon
+from wheelrail.scenes.builders.vehicle import wagon
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
@@ -83,7 +83,7 @@ class TrackSegment:
         return replace(self.contact, model=replace(model, options=replace(model.options, **options)))
 
     def dynamics(self, contact: VehicleContact) -> VehicleDynamics:
-        return wagon_dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile)
+        return wagon_dynamics(wagon(self.scene), self.scene.track.track(), contact, self.scene.vehicle.speed_profile)
 
     @cached_property
     def steady(self) -> Equilibrium:
@@ -139,7 +139,7 @@ class TrackSegment:
                 raise RuntimeError(f"the reference run is {100 * fraction:.0f} % done after {patience:g} s")
 
         return simulate(
-            wagon_dynamics(wagon(self.scene), track(self.scene), contact, self.scene.vehicle.speed_profile),
+            wagon_dynamics(wagon(self.scene), self.scene.track.track(), contact, self.scene.vehicle.speed_profile),
             (self.start, self.start + self.seconds),
             initial=self.initial,
             steps=StepSettings(method, rtol, atol),

@@ -70,6 +70,10 @@ def test_wheel_contains_all_code_and_data(wheel: Path) -> None:
             inside = place if top == "wheelrail" else "wheelrail" / place
             wanted |= {str(inside / name) for name in names if Path(name).suffix in CARRIED}
     wanted |= {f"wheelrail/scenes/examples/{file.name}" for file in (ROOT / "scenes").glob("*.toml")}
+    builds = [file.parent for file in (ROOT / "wheelrail/bindings").glob("*/_contact*.so")]
+    wanted |= {
+        (build.relative_to(ROOT) / "lib/libwheelrail.so").as_posix() for build in builds
+    }  # beside the sources one
     assert _contents(wheel) == wanted
     assert {"wheelrail/contact/models/condensed.py", "wheelrail/scenes/examples/hertz.toml"} <= wanted
 

@@ -18,7 +18,7 @@ class Threads:
     Parameters:
         count: of threads beside the caller.
 
-    They are woken once for all tasks, not for each one as those of `concurrent.futures`, which matters for tasks of 1 ms.
+    They are woken once for all tasks, not for each as those of `concurrent.futures`: it matters for tasks of 1 ms.
     """
 
     def __init__(self, count: int) -> None:
