@@ -42,7 +42,7 @@ CONTACTS: dict[str, dict[str, object]] = {
 USUAL, FINER = LatticeResolution(8, 10), LatticeResolution(12, 16)
 EVERY = 0.01  # s, between the rows that are compared
 HEAD = (
-    "run|contact|threads|wall s per s|steps per s (rejected)|contact problems a side|part of contacts"
+    "run|contact|threads|wall s per s|steps per s (rejected)|contact problems a side|threads in contacts"
     "|y mm, tight|wheel force %, tight|y mm, finer|wheel force %, finer"
 )
 

@@ -87,7 +87,7 @@ RUN: Schema = {
     "failed_solves": Declared(("side",), "1", "contact problems that failed and were repeated"),
     "newton_iterations": Declared(("side",), "1", "total Newton iterations"),
     "linear_iterations": Declared(("side",), "1", "total linear iterations"),
-    "contact_seconds": Declared(("side",), "s", "time for all contact solves"),
+    "contact_seconds": Declared(("side",), "s", "time for all contact solves, of all threads"),
     "body": Declared(("body",), "", ""),
     "nominal_x": Declared(("body",), "m", "place along the vehicle, forward"),
     "wheelset": Declared(("wheelset",), "", ""),
