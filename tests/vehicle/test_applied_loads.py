@@ -32,6 +32,7 @@ from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.steady.start_state import start_state
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
+from wheelrail.vehicle.track.irregularity import Irregularities
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
@@ -311,6 +312,22 @@ def test_brakes_bring_the_vehicle_to_a_halt() -> None:
     assert run.distance[-1] == pytest.approx(50.0 / deceleration, rel=0.02)
     spins = np.array([run.rate(name)[:, PITCH] for name in NAMES]) + 10.0 / 0.46
     assert spins.min() > 0.0
+
+
+@pytest.mark.parametrize("method", ["rosenbrock", "rosenbrock4"])
+def test_long_steps_of_a_braking_vehicle_meet_a_dip_where_it_is(method: str) -> None:
+    """A dip of 0.25 mm over 4.7 m is static at 2 m/s; stages without the deceleration met it 0.2 m too early."""
+    half, vehicle = 2.37, free()
+    x = np.linspace(-half, half, 101)
+    values = np.zeros((101, 4))
+    values[:, 1] = -2.5e-4 * (1.0 - np.abs(x) / half) ** 2
+    dip, brakes = Irregularities(39.2 + x, values), on_all(LoadTable(((0.5, 0.0), (0.8, 2e3))), brake=True)
+    dynamics = VehicleDynamics(vehicle, Track(irregularities=dip), wheel_on_rail(), 4.4, loads=brakes)
+    run = simulate(dynamics, (0.0, 34.0), steps=StepSettings(method, 4.7e-3, 4.7e-5))
+    assert run.status == "completed"
+    assert run.distance[-1] + vehicle.bodies["wheelset_1"].x > 39.2
+    force = run.force[run.time > 1.0][..., 2]
+    np.testing.assert_allclose(force, np.broadcast_to(force[0], force.shape), rtol=0.03)
 
 
 def test_rows_of_a_braking_vehicle_are_as_good_as_its_steps() -> None:

@@ -102,7 +102,8 @@ def test_rail_following_and_its_derivatives() -> None:
     d = wagon_dynamics(Wagon(), track, CONTACT, SpeedProfile.through((0.0, 4.0), (40.0, 20.0)))
     of_steps, t, h = rail_following(d), 1.7, 1e-6
     assert of_steps is not None
-    follow = of_steps(1.0, np.zeros(d.size))
+    state = np.zeros(d.size)
+    follow = of_steps(1.0, state, d(1.0, state))
     position, rate, acceleration = follow(t)
     np.testing.assert_allclose((follow(t + h)[0] - follow(t - h)[0]) / (2 * h), rate, rtol=1e-5, atol=1e-9)
     np.testing.assert_allclose((follow(t + h)[1] - follow(t - h)[1]) / (2 * h), acceleration, rtol=1e-5, atol=1e-6)

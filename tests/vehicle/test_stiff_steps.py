@@ -70,7 +70,7 @@ def on_rail(forcing: Forcing | None, tolerance: float, method: str = "rosenbrock
             jacobian=jacobian,
             first=FirstStep(length=0.06),
             counts=counts,
-            follow=None if forcing is None else lambda t, x: forcing,
+            follow=None if forcing is None else lambda t, x, start: forcing,
         )
     )
     exact = [LOAD + MASS * rail(step.t)[2] for step in steps]
@@ -202,7 +202,7 @@ def largest_force_behind_the_kink(start: float, method: str) -> float:
         return np.stack([kinked(t)[i : i + 2] for i in range(3)])
 
     settings = StepSettings(method, 3e-3, np.array([3e-5, 3e-3]), output_tolerance=0.03 * LOAD, max_step=1e-3)
-    options = {"jacobian": jacobian, "first": FirstStep[Rate](length=3e-4), "follow": lambda t, x: followed}
+    options = {"jacobian": jacobian, "first": FirstStep[Rate](length=3e-4), "follow": lambda t, x, start: followed}
     *_, last = integrate(rhs, start, np.zeros(2), 0.0415, settings, **options)
     omega = np.sqrt(STIFFNESS / MASS)
     amplitude = STIFFNESS * np.hypot(last.x[0] - kinked(last.t)[0], (last.x[1] - KINK) / omega)

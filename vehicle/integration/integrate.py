@@ -174,7 +174,7 @@ def integrate(
     jacobian: Linearise[E] | None = None,
     first: FirstStep[E] | None = None,
     counts: StepStatistics | None = None,
-    follow: Follow | None = None,
+    follow: Follow[E] | None = None,
     next_end: NextEnd | None = None,
     longest: LongestStep[E] | None = None,
 ) -> Iterator[Step[E]]:
@@ -241,7 +241,7 @@ def integrate(
             error, h = error * (proposed / h) ** k, proposed
         factor = control.factor(error, error_before, k)
         h = min(settings.max_step, h * (factor if first_trial else min(1.0, factor)))
-        forcing = None if follow is None else follow(t, x)
+        forcing = None if follow is None else follow(t, x, start)
         step = Step(t, x, start, after, new, end, error, h, forcing, trial_step.damping, before)
         before = t, x
         t, x, start, error_before, first_trial, reason = after, new, end, error, True, None
@@ -253,7 +253,7 @@ def _method(
     tableau: Tableau | RosenbrockPair,
     jacobian: Linearise[E] | None,
     counts: StepStatistics,
-    follow: Follow | None,
+    follow: Follow[E] | None,
 ) -> StepMethod[E]:
     if isinstance(tableau, Tableau):
         return ExplicitRungeKutta(rhs, tableau, counts)

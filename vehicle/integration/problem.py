@@ -55,7 +55,8 @@ Instant = tuple[float, Array]  # time s and state (n,)
 Damping = Callable[[Array], Array]  # a change (n,) within a step without its stiff parts
 
 
-Follow = Callable[[float, Array], Forcing]  # the forcing of a step, by its start in time and state
+# The forcing of a step, by its start in time and state and the evaluation there.
+Follow = Callable[[float, Array, E], Forcing]
 
 
 # Longest step s, up to a given one, by its start in time and state and the evaluation there.

@@ -247,7 +247,7 @@ class RosenbrockW(Generic[E]):
     methods: RosenbrockPair
     counts: StepStatistics
     jacobian: Linearise[E] | None
-    follow: Follow | None = None
+    follow: Follow[E] | None = None
     linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
     last_stage: LastStage | None = field(default=None, init=False)
     damping: Damping | None = field(default=None, init=False)
@@ -261,7 +261,7 @@ class RosenbrockW(Generic[E]):
         method = self.methods.exact if linear.exact else self.methods.approximate
         evaluation, state, unknowns = start, x, np.zeros((method.stages, len(x)))
         solve = self._factorised(linear.by_state, h * method.diagonal)
-        moved, by_time, acceleration = self._moved(t, x, linear)
+        moved, by_time, acceleration = self._moved(t, x, start, linear)
         rise, rate = np.zeros_like(x), moved(0.0)[1]
         integral = h * h * np.dot(method.weights, method.sums) * acceleration
         for i in range(method.stages):
@@ -308,7 +308,7 @@ class RosenbrockW(Generic[E]):
         return self.linear[1].outputs if self.linear is not None else None
 
     def _moved(
-        self, t: float, x: Array, linear: HasDerivatives
+        self, t: float, x: Array, start: E, linear: HasDerivatives
     ) -> tuple[Callable[[float], tuple[Array, Array]], Array, Array]:
         """Rise (n,) of the forcing motion until some time s after t, and its rate there; derivative (n,) by time of the
         rates of the difference from this motion; acceleration (n,) of the motion at t.
@@ -316,12 +316,12 @@ class RosenbrockW(Generic[E]):
         if self.follow is None:
             still = np.zeros_like(linear.by_time)
             return lambda after: (still, still), linear.by_time, still
-        forcing = self.follow(t, x)
-        start, rate, acceleration = forcing(t)
+        forcing = self.follow(t, x, start)
+        origin, rate, acceleration = forcing(t)
 
         def moved(after: float) -> tuple[Array, Array]:
             position, rate_there, _ = forcing(t + after)
-            return position - start, rate_there
+            return position - origin, rate_there
 
         return moved, linear.by_time + linear.by_state @ rate - acceleration, acceleration
 

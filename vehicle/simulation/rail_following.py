@@ -11,35 +11,56 @@ from numpy.typing import NDArray
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import Follow, Forcing
 from wheelrail.vehicle.multibody.coordinates import ROLL, X, Z
-from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.track.irregularity import Irregularities
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
 
 STORED = 8  # times of a step at which the motion is kept
 
 
-def rail_following(dynamics: VehicleDynamics) -> Follow | None:
-    """Height and roll by which the wheelsets follow the irregular rails; None on smooth rails.
+def rail_following(dynamics: VehicleDynamics) -> Follow[VehicleEvaluation] | None:
+    """Height and roll by which the wheelsets follow the irregular rails, and the drift of a vehicle from its reference
+    motion; None on smooth rails without drift.
 
-    They do so in the reference motion or, where the vehicle may leave it, each at its speed at the start of the step.
+    The drift is that of the centre of mass: at its speed at the start of a step and, of a vehicle that runs free, with
+    its acceleration, so that stages know where the wheels are when the rails there are felt.
 
     Contacts are so stiff that heights differ from this motion by micrometres. The difference is driven by the
     acceleration of the rails instead of their position: a step of a linearly implicit method is then limited by the
     motion, and not by contacts that the stages load or lift as they extrapolate rails of changing slope.
     """
-    irregularities = dynamics.track.irregularities
-    if irregularities is None:
-        return None
     if not dynamics.drifts:
-        fixed = RailFollowing(dynamics, irregularities)
-        return lambda time, state: fixed
+        if dynamics.track.irregularities is None:
+            return None
+        fixed = RailFollowing(dynamics)
+        return lambda time, state, start: fixed
 
-    def of_step(time: float, state: Array) -> Forcing:
-        position, rate, _ = dynamics.coordinates.split(state)
-        wheelsets = dynamics.coordinates.wheelset_bodies
-        drift = np.stack([position[wheelsets, X], rate[wheelsets, X]], axis=1)
-        return RailFollowing(dynamics, irregularities, time, drift)
+    def of_step(time: float, state: Array, start: VehicleEvaluation) -> Forcing:
+        ahead = dynamics.coordinates.split(state).position[dynamics.coordinates.wheelset_bodies, X]
+        speed, acceleration = (float(part) for part in dynamics.drift(start.rate))
+        return RailFollowing(dynamics, Drift(time, ahead, speed, acceleration if dynamics.runs_free else 0.0))
 
     return of_step
+
+
+@dataclass(frozen=True)
+class Drift:
+    """Motion of a vehicle from its place in the reference motion.
+
+    Parameters:
+        start: time s.
+        ahead: (w,) m, of the wheelsets at this time.
+        speed, acceleration: m/s at this time, and m/s2.
+    """
+
+    start: float
+    ahead: Array
+    speed: float
+    acceleration: float
+
+    def since(self, time: float) -> tuple[float, float, float]:
+        """Distance m run since the start until a time s, and its first two derivatives."""
+        after = time - self.start
+        speed = self.speed + self.acceleration * after
+        return 0.5 * (self.speed + speed) * after, speed, self.acceleration
 
 
 @dataclass(frozen=True)
@@ -48,16 +69,11 @@ class RailFollowing:
 
     Parameters:
         dynamics: equations of motion.
-        irregularities: of its track.
-        start: time s.
-        drift: (w, 2) distance m of each wheelset from its place in the reference motion at this time, and its rate m/s;
-            None: they are at their places.
+        drift: from the reference motion; None: there is none.
     """
 
     dynamics: VehicleDynamics
-    irregularities: Irregularities
-    start: float = 0.0
-    drift: Array | None = None
+    drift: Drift | None = None
 
     @cached_property
     def _places(self) -> Array:
@@ -89,18 +105,25 @@ class RailFollowing:
 
     def _at(self, time: float) -> Array:
         """Motion (3, n) at a time s."""
-        d, profile = self.dynamics, self.dynamics.speed_profile
-        distance, reference_speed, acceleration, _ = profile(time)
-        _, _, jerk = profile.speeds(time)
-        ahead, faster = np.zeros((2, 1)) if self.drift is None else self.drift.T
-        rails = self.irregularities.derivatives(distance + ahead + faster * (time - self.start) + self._places)
+        d, travel = self.dynamics, self.dynamics.speed_profile(time)
+        result = np.zeros((3, d.size))
+        places, run, faster, acceleration = self._places, 0.0, 0.0, 0.0
+        if self.drift is not None:
+            places, (run, faster, acceleration) = places + self.drift.ahead, self.drift.since(time)
+            count, along = d.coordinates.count, d.drifting[: d.coordinates.count]
+            share = np.where(d.coordinates.free % 6 == X, 1.0, 1.0 / d.vehicle.radius)[along]
+            result[:, :count][:, along] = np.outer((run, faster, acceleration), share)
+            result[:2, count : 2 * count][:, along] = np.outer((faster, acceleration), share)
+        if d.track.irregularities is None:
+            return result
+        speed, acceleration = travel.speed + faster, travel.acceleration + acceleration
+        _, _, jerk = d.speed_profile.speeds(time)
+        rails = d.track.irregularities.derivatives(travel.distance + run + places)
         left, right, (indices, free) = rails[..., 1], rails[..., 3], self._indices
         follows = np.concatenate([0.5 * (left + right), (left - right) / (2.0 * d.vehicle.wheel_y)], axis=1)[:, free]
         value, slope, second, third = follows
-        speed = np.tile(np.broadcast_to(reference_speed + faster, left.shape[1:]), 2)[free]
         rate, rate_rate = speed * slope, speed**2 * second + acceleration * slope
         by_time = speed**3 * third + 3.0 * speed * acceleration * second + jerk * slope
-        result = np.zeros((3, d.size))
         result[:, indices] = value, rate, rate_rate
         result[:, d.coordinates.count + indices] = rate, rate_rate, by_time
         return result
