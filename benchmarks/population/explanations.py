@@ -18,6 +18,7 @@ OVERLAP = 5e-4  # m: heights with more are no contact of elastic bodies
 NAMED = re.compile(r"overlaps the rail \S+ mm deep at y = (\S+), z = (\S+) mm of its profile")
 OVERLOADED = re.compile(r"too deep for half-spaces: \S+ GPa are above")
 ALONG = re.compile(r"passes (\S+) mm along the rail")
+YIELDING = re.compile(r"do not settle.*would move them by \S+ mm")
 NEAR = 5e-3  # m on the profile of a wheel
 ORDINARY = (-50e-3, 45e-3)  # m, where a wheel touches a rail between flange tip and rim
 STEEPEST = 0.05  # rad, to which a roll is looked for
@@ -44,9 +45,15 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
         return "pressed into the rail by more than half a millimetre" if deepest > OVERLAP else ""
     if overloaded and any(_locked(situation, side, roll) for roll in rolls):
         return "held down by friction on its flange to an overlap of half a millimetre"
-    along = ALONG.search(result.status)
-    if along and _extent(situation, side) > 1e-3 * float(along[1]):
-        return "touches the rail farther along than grids have points"
+    if along := ALONG.search(result.status):
+        strips = situation.with_model(bodies="waveguide")
+        other = side_result(solved(strips).data, side)
+        if other.status.startswith("failed"):
+            return explanation(strips, side, other)
+        if other.status == "converged" and _extent(strips, side, other) > 1e-3 * float(along[1]):
+            return "touches the rail farther along than grids have points"
+    if YIELDING.search(result.status):
+        return "pushes a rail aside by more than 5 mm, whose equilibria end"
     if not rolls:
         return "no roll at which both wheels rest on their rails"
     resting = rigid.first_contact(replace(at, z=0.0))
@@ -93,18 +100,12 @@ def _locked(situation: Situation, side: Side, roll: float) -> bool:
     return bool((steep & (low.place[:, 0] < 0.0))[over].all())
 
 
-def _extent(situation: Situation, side: Side) -> float:
-    """Largest distance m along the rail, from the axle, of the undeformed overlap at the height at which strips on
-    waveguides carry the same load; 0 where these fail.
-    """
-    own = situation.with_model(bodies="waveguide")
-    result = side_result(solved(own).data, side)
-    if result.status != "converged":
-        return 0.0
+def _extent(own: Situation, side: Side, result: SideResult) -> float:
+    """Largest distance m along the rail, from the axle, of the undeformed overlap at the height of a result."""
     section = section_of(own, side, result)
     k = int(np.argmax(section.depth))
     _, across, up = np.gradient(section.place, axis=0)[k]
-    radius = (situation.rigid[side].radius + situation.rigid[side].wheel_points[k, 1]) * np.hypot(1.0, up / across)
+    radius = (own.rigid[side].radius + own.rigid[side].wheel_points[k, 1]) * np.hypot(1.0, up / across)
     return float(abs(section.place[k, 0]) + np.sqrt(2.0 * radius * max(section.depth[k], 0.0)))
 
 

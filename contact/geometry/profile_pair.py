@@ -134,7 +134,8 @@ class ProfilePair:
             return None, self._separated(pose)
         reach = self.rail_strip.size / self.degree * (self.rail_grid.shape[0] // 2)
         if np.abs(point[nodes, 0]).max() > reach:
-            raise OutsideSurface(_beyond(penetration, _ALONG.format(1e3 * reach)))
+            upstream_length = steps * stride * self.wheel_strip.size / self.degree
+            raise OutsideSurface(_beyond(penetration, _ALONG.format(1e3 * (reach - upstream_length))))
         if (beyond := self._beyond_rail(rail_s, penetration)) >= 0:
             place = self.wheel.point(self.arc[node[beyond] % ns])
             raise OutsideSurface(overlap_text(penetration[beyond], place, UNSOLVED))

@@ -34,6 +34,7 @@ FORCE = 1e-7  # of the load: largest error of a vertical force
 PLACE = 1e-9  # m and rad: largest error of a motion
 STALLED_FORCE, STALLED_PLACE = 1e-5, 1e-8  # accepted where halved steps gain nothing: the contact's own tolerance
 MOTION = 1e-3  # m and rad, usual size of motions, by which their errors are compared with those of loads
+LARGE = 5e-3  # m and rad, motions that hubs and rails do not make
 SHORTEST = 2.0**-12  # of a Newton step
 SHORTEST_LOADED = 2.0**-3  # where loads are searched: from other motions, if that stalls
 LONGEST = 5e-3  # m and rad, largest step of a motion there
@@ -266,12 +267,22 @@ class FlexibleWheelset:
         if not trial.usable(loads):
             raise LoadError(f"no contact to start from: {', '.join(result.status for result in trial.results)}")
         try:
-            return self._newton(trial, 2, loads)
-        except LoadError:
-            if not loads.free:
-                raise
-            start, solves = self._given_way(trial, loads)
-            return self._newton(start, solves, loads)
+            try:
+                return self._newton(trial, 2, loads)
+            except LoadError:
+                if not loads.free:
+                    raise
+                start, solves = self._given_way(trial, loads)
+                return self._newton(start, solves, loads)
+        except LoadError as error:
+            # Loads that grow as the wheel follows its rail end the equilibria, as of a column that buckles.
+            moved = float(np.abs(self._yielding(trial)).max())
+            reason = f"; loads at the start would move them by {1e3 * moved:.2g} mm or mrad" if moved > LARGE else ""
+            raise LoadError(f"{error}{reason}") from error
+
+    def _yielding(self, trial: Trial) -> Array:
+        """Motions (18,) by the loads of a trial."""
+        return np.asarray(self.flexibility.unloaded + self.flexibility.matrix @ trial.loads)
 
     def _given_way(self, trial: Trial, loads: Loads) -> tuple[Trial, int]:
         """Trial whose hubs and rails have given way to the loads of another one as far as those would move them, with
@@ -281,7 +292,7 @@ class FlexibleWheelset:
         the motions without loads Newton's method would have to pass the roll at which the wheel falls.
         Raises LoadError.
         """
-        motions = self.flexibility.unloaded + self.flexibility.matrix @ trial.loads
+        motions = self._yielding(trial)
         level = replace(trial.state, z=0.0, roll=0.0 if "roll" in loads.free else trial.state.roll)
         return self._carrying(self._trial(level, motions, trial.results), trial, loads, RESTORED)
 
@@ -338,8 +349,7 @@ class FlexibleWheelset:
 
     def _residual(self, trial: Trial, loads: Loads) -> Array:
         vertical = loads.forces @ trial.wrenches[:, 2] - loads.values
-        elastic = self.flexibility.unloaded + self.flexibility.matrix @ trial.loads
-        return np.concatenate([vertical, trial.motions - elastic])
+        return np.concatenate([vertical, trial.motions - self._yielding(trial)])
 
     def _jacobian(self, trial: Trial, loads: Loads) -> Array:
         wrenches, structural_loads = trial.slopes

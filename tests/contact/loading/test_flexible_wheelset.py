@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+import wheelrail as wr
 from wheelrail.contact.elasticity.waveguide.bodies import GRADING, REACH
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence
 from wheelrail.contact.elasticity.waveguide.spectrum import sample
@@ -286,3 +287,25 @@ def test_agrees_with_pads_in_the_spectrum_of_the_rail(y: float) -> None:
         expected, patch = whole.results[side].patches[0], split.results[side].patches[0]
         assert patch.rail_y == pytest.approx(expected.rail_y, abs=1e-5)
     assert split.state.z == pytest.approx(whole.state.z, abs=1e-6)
+
+
+def test_a_rail_that_is_pushed_aside_is_named() -> None:
+    """Its equilibria end: 69 mm beside the track the lateral load grows as the rail gives way, at 0.998 times the
+    compliance of its pads by 12 mm.
+    """
+    wheelset = wr.Wheelset(
+        "S1002",
+        "60E1",
+        laying_angle=0.05,
+        radius=0.50297,
+        flange_back_distance=1.358,
+        friction=0.704496,
+        bodies="half-space",
+        strips=5,
+        cells=12,
+        right={"radius": 0.503114},
+        pads=True,
+    )
+    velocities = {"speed": 25.98, "y_rate": -0.250485, "z_rate": -0.0179661, "yaw_rate": 0.0140482}
+    solution = wheelset.solve(y=0.069273, yaw=0.00223017, wheel_load=70185.5, roll="solve", **velocities)
+    assert "loads at the start would move them by 9 mm or mrad" in solution.status
