@@ -1,0 +1,46 @@
+"""Launcher of compilers that takes objects of the same command beside the sources, and compiles others without
+optimisation.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+BINDINGS = Path(__file__).parents[2] / "bindings"
+
+
+def wording(command: list[str], sources: Path, build: Path) -> str:
+    """Command of one compiler, whatever its name, without the places of sources and build."""
+    text = " ".join([str(Path(command[0]).resolve()), *command[1:]])
+    return text.replace(f"{build}/CMakeFiles/", "<build>/CMakeFiles/").replace(str(sources.parent), "<tree>")
+
+
+def compiled() -> dict[str, Path]:
+    """Objects of the build beside the sources by their commands; none if one of them is out of date."""
+    ninja = [str(Path(sys.executable).with_name("ninja")), "-C", str(BINDINGS)]
+    pending = subprocess.run([*ninja, "-n", "all", "library"], check=False, capture_output=True, text=True)
+    if "no work to do" not in pending.stdout:
+        return {}
+    listed = subprocess.run([*ninja, "-t", "commands", "all", "library"], check=True, capture_output=True, text=True)
+    commands = [line.split() for line in listed.stdout.splitlines() if " -c " in line]
+    return {
+        wording(command, BINDINGS, BINDINGS): BINDINGS / command[command.index("-o") + 1]
+        for command in commands
+        if "-o" in command
+    }
+
+
+def main(sources: str, *command: str) -> int:
+    made = compiled().get(wording(list(command), Path(sources), Path.cwd()))
+    if made is None:
+        return subprocess.run([*command, "-O0"], check=False).returncode
+    shutil.copy(made, command[command.index("-o") + 1])
+    Path(command[command.index("-MF") + 1]).touch()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
