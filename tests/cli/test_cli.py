@@ -26,8 +26,8 @@ from wheelrail.cli.main import app
 from wheelrail.contact.kinematics.wheelset_state import Mounting
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.datasets.result_table import json_text
+from wheelrail.scenes.quantity import fixed, significant
 from wheelrail.scenes.runs.progress import case_bar
 from wheelrail.support.terminal import messages_on
 

@@ -22,7 +22,7 @@ import yaml
 from pydantic import BaseModel
 
 from wheelrail.cli.main import app
-from wheelrail.scenes.datasets.run_schema import RUN
+from wheelrail.scenes.quantities import RUN
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.scene import KINDS
 from wheelrail.vehicle.track.irregularity import QUANTITIES

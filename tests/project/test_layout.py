@@ -96,7 +96,7 @@ MAY_IMPORT |= {
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
 _SCENES = ("schema", "datasets", "builders", "contacts", "plots", "runs", "views", "studies", "tables", "html_report")
-MAY_IMPORT["scenes"] = {"scenes.schema"}
+MAY_IMPORT["scenes"] = {"contact.results", "scenes.schema"}
 MAY_IMPORT["scenes.schema"] = {
     "contact.laws",
     "contact.models",
@@ -107,12 +107,12 @@ MAY_IMPORT["scenes.schema"] = {
     "support",
 }
 for _index, _name in enumerate(_SCENES[1:], 1):
-    MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {f"scenes.{lower}" for lower in _SCENES[:_index]}
+    MAY_IMPORT[f"scenes.{_name}"] = _BELOW | {"scenes", *(f"scenes.{lower}" for lower in _SCENES[:_index])}
 MAY_IMPORT["cli"] = _BELOW | {"export", "scenes"} | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["export"] = {"api", "api.elements", "scenes.schema", "support"}
 MAY_IMPORT["export"] |= {f"contact.{name}" for name in ("element", "geometry", "kinematics", "laws", "models")}
 MAY_IMPORT["export"] |= {"bindings", "contact.models.lattice", "contact.models.standard"}
-MAY_IMPORT["api"] = _BELOW | {"api.elements", *(f"scenes.{name}" for name in _SCENES)}
+MAY_IMPORT["api"] = _BELOW | {"api.elements", "scenes", *(f"scenes.{name}" for name in _SCENES)}
 _OF_CONTACT = {f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")}
 MAY_IMPORT["api.elements"] = _OF_CONTACT | {"scenes.schema", "support"}
 MAY_IMPORT[""] = {"api", "api.elements", "scenes.schema", "support"}

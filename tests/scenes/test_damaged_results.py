@@ -16,13 +16,13 @@ from typer.testing import CliRunner
 
 import wheelrail as wr
 from wheelrail.cli.main import app
-from wheelrail.scenes.datasets.contact import ATTRIBUTES, CONTACT, check_contact
-from wheelrail.scenes.datasets.declared import Schema
+from wheelrail.scenes.datasets.contact import ATTRIBUTES, check_contact
 from wheelrail.scenes.datasets.netcdf import read, write
+from wheelrail.scenes.datasets.run_file import ATTRIBUTES as RUN_ATTRIBUTES
 from wheelrail.scenes.datasets.run_file import run_of
-from wheelrail.scenes.datasets.run_schema import ATTRIBUTES as RUN_ATTRIBUTES
-from wheelrail.scenes.datasets.run_schema import RUN
 from wheelrail.scenes.plots.runs import pictures_of
+from wheelrail.scenes.quantities import CONTACT, RUN
+from wheelrail.scenes.quantity import Schema
 
 SIZES = {"time": 5, "side": 2, "edge": 2, "axis": 3, "body": 3, "wheelset": 2, "element": 2, "patch": 1, "series": 1}
 NAMES = {
@@ -41,7 +41,7 @@ def made(schema: Schema, attributes: dict[str, type]) -> xr.Dataset:
     for name, declared in schema.items():
         shape = tuple(SIZES.get(dim, 2) for dim in declared.dims)
         values = (
-            np.zeros(shape) if declared.units else np.array(NAMES.get(name, [f"{name} {k}" for k in range(shape[0])]))
+            np.zeros(shape) if declared.unit else np.array(NAMES.get(name, [f"{name} {k}" for k in range(shape[0])]))
         )
         variables[name] = (declared.dims, values, declared.attributes)
     data = xr.Dataset(variables, attrs={name: "text" if kind is str else 1.0 for name, kind in attributes.items()})

@@ -19,13 +19,12 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.scenes.datasets.contact import contact_dataset
 from wheelrail.scenes.datasets.netcdf import write
-from wheelrail.scenes.datasets.patches import BANDS, PATCH_VARIABLES
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.datasets.run_file import run_of
-from wheelrail.scenes.datasets.run_schema import MOTION, of_wagon
 from wheelrail.scenes.plots import runs as figures
 from wheelrail.scenes.plots.patch_cells import PatchCells
 from wheelrail.scenes.plots.patches import draw_patches, patches_figure
+from wheelrail.scenes.quantities import BANDS, MOTION, PATCH
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, wagon_dynamics
@@ -85,15 +84,13 @@ def test_dataset_contains_the_history() -> None:
     assert data["body_pitch_rate"].sel(body="wheelset").values == pytest.approx(run.state[:, 19])
     assert not data[["body_x", "body_yaw"]].to_array().any()  # held
     assert data["distance"].values == pytest.approx(45.0 * run.time)
-    stop = data["element_force"].sel(element="bumpstop", axis="y")
-    np.testing.assert_array_equal(of_wagon(data, "bumpstop_force"), stop)
     wrench = np.concatenate([run.force, run.moment], axis=3).sum(axis=2)
     yaw = [run.dynamics.yaw_reactions(row.time, row.state, own) for row, own in zip(run.rows, wrench, strict=True)]
     np.testing.assert_array_equal(data["yaw_reaction"], yaw)
     assert data["newton_iterations"].sel(side="right") == 700
     assert data.attrs["scene"] == 'kind = "run"'
     assert "wheelrail" in data.attrs["versions"]
-    assert {*MOTION, *PATCH_VARIABLES, *BANDS, "curvature", "lift"} <= set(data.data_vars)
+    assert {*MOTION, *PATCH, *BANDS, "curvature", "lift"} <= set(data.data_vars)
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +121,8 @@ def test_results_of_earlier_versions_are_read(first_form: xarray.Dataset) -> Non
             assert data[name].dims == values.dims
             np.testing.assert_allclose(data[name], values, rtol=1e-12, atol=1e-9, err_msg=str(name))
             assert data[name].attrs["units"] == values.attrs["units"]
-    np.testing.assert_array_equal(of_wagon(data, "bumpstop_force"), of_wagon(expected, "bumpstop_force"))
+    stops = (own["element_force"].sel(element="bumpstop", axis="y") for own in (data, expected))
+    np.testing.assert_array_equal(*stops)
     assert data.attrs["mean_wheel_load"] == expected.attrs["mean_wheel_load"]
     for figure in figures.pictures_of(data).values():
         figure(data)

@@ -19,6 +19,8 @@ from wheelrail.contact.geometry.first_contact import (
 )
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.scenes.quantities import PATCH
+from wheelrail.scenes.quantity import Quantity, Schema, filled
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -30,15 +32,22 @@ NARROW = 2e-6  # m
 BEYOND = (5e-3, 4e-3, 3e-3, 2e-3, 1e-3, 0.0)  # m, tried in this order
 
 
-# Variable by side: unit, meaning.
-BY_SIDE = {
-    "rolling_radius": ("m", "rolling radius"),
-    "contact_angle": ("rad", "contact angle, rotation of the contact plane about the track direction"),
-    "wheel_s": ("m", "arc length on the wheel profile from the rolling circle, positive to the field side"),
-    "wheel_y": ("m", "lateral position on the wheel from the rolling circle, positive to the field side"),
-    "rail_s": ("m", "arc length on the rail profile from the top of the inclined rail, positive to the field side"),
-    "rail_y": ("m", "lateral position on the rail from the top of the inclined rail, positive to the field side"),
-    "contact_x": ("m", "longitudinal position of the contact point, ahead of the axle"),
+BY_SIDE = ("y", "side")
+GEOMETRY: Schema = {
+    "y": Quantity(("y",), "m", "lateral position of the wheelset, positive to the left"),
+    "side": Quantity(("side",), "", ""),
+    "amplitude": Quantity(("amplitude",), "m", "amplitude of the lateral motion"),
+    "rolling_radius": Quantity(BY_SIDE, "m", "rolling radius"),
+    "contact_angle": PATCH["patch_contact_angle"]._replace(dims=BY_SIDE),
+    **{name: PATCH[name]._replace(dims=BY_SIDE) for name in ("wheel_s", "wheel_y", "rail_s", "rail_y")},
+    "contact_x": Quantity(BY_SIDE, "m", "longitudinal position of the contact point, ahead of the axle"),
+    "z": Quantity(("y",), "m", "height of the wheelset above its nominal height"),
+    "roll": Quantity(("y",), "rad", "roll of the wheelset"),
+    "rolling_radius_difference": Quantity(("y",), "m", "rolling radius difference, left minus right"),
+    "equivalent_conicity": Quantity(("amplitude",), "1", "equivalent conicity without roll of the wheelset (EN 15302)"),
+    "equivalent_conicity_with_roll": Quantity(
+        ("amplitude",), "1", "equivalent conicity with the roll of the wheelset on both rails"
+    ),
 }
 
 
@@ -70,44 +79,30 @@ def contact_geometry(
     """
     from xarray import Dataset
 
-    from wheelrail.scenes.datasets.patches import means
-
     positions = _positions(y)
     wheelset = rigid_wheelset(wheel, rail, **more)
     contacts = first_contacts_over(wheelset, positions, yaw)
     values = _by_side(wheelset, [touches for _, touches in contacts])
     radii = values["rolling_radius"]
     amplitude = np.unique(positions[positions > 0.0])
+    conicity = {
+        name: _on_demand(amplitude.shape, partial(_conicity, wheelset, amplitude, difference))
+        for name, difference in (
+            ("equivalent_conicity", _difference_without_roll),
+            ("equivalent_conicity_with_roll", _difference_with_roll),
+        )
+    }
+    places = {"y": positions, "side": list(SIDES), "amplitude": amplitude}
+    variables = {
+        **values,
+        "z": [state.z for state, _ in contacts],
+        "roll": [state.roll for state, _ in contacts],
+        "rolling_radius_difference": radii[:, 0] - radii[:, 1],
+        **conicity,
+    }
     return Dataset(
-        {
-            **{name: (("y", "side"), values[name], means(units, text)) for name, (units, text) in BY_SIDE.items()},
-            "z": (
-                "y",
-                [state.z for state, _ in contacts],
-                means("m", "height of the wheelset above its nominal height"),
-            ),
-            "roll": ("y", [state.roll for state, _ in contacts], means("rad", "roll of the wheelset")),
-            "rolling_radius_difference": (
-                "y",
-                radii[:, 0] - radii[:, 1],
-                means("m", "rolling radius difference, left minus right"),
-            ),
-            "equivalent_conicity": (
-                "amplitude",
-                _on_demand(amplitude.shape, partial(_conicity, wheelset, amplitude, _difference_without_roll)),
-                means("1", "equivalent conicity without roll of the wheelset (EN 15302)"),
-            ),
-            "equivalent_conicity_with_roll": (
-                "amplitude",
-                _on_demand(amplitude.shape, partial(_conicity, wheelset, amplitude, _difference_with_roll)),
-                means("1", "equivalent conicity with the roll of the wheelset on both rails"),
-            ),
-        },
-        coords={
-            "y": ("y", positions, means("m", "lateral position of the wheelset, positive to the left")),
-            "side": ("side", list(SIDES)),
-            "amplitude": ("amplitude", amplitude, means("m", "amplitude of the lateral motion")),
-        },
+        filled(GEOMETRY, variables),
+        coords=filled(GEOMETRY, places),
         attrs={
             "title": "Contact geometry of rigid profiles",
             **_names(wheelset),
@@ -168,7 +163,8 @@ def _names(wheelset: RigidWheelset) -> dict[str, str]:
 
 def _by_side(wheelset: RigidWheelset, touches: Sequence[Mapping[Side, FirstContact]]) -> dict[str, Array]:
     """Variables (n, 2) of the contact points of both sides at n positions."""
-    values = {name: np.empty((len(touches), len(SIDES))) for name in BY_SIDE}
+    names = [name for name, own in GEOMETRY.items() if own.dims == BY_SIDE]
+    values = {name: np.empty((len(touches), len(SIDES))) for name in names}
     for row, touch in enumerate(touches):
         for column, side in enumerate(SIDES):
             for name, value in contact_values(wheelset, touch[side], side).items():

@@ -6,13 +6,16 @@ from collections.abc import Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wheelrail.api.arguments import plain, with_names
 from wheelrail.api.run_plots import RunPlots
 from wheelrail.api.stored_dataset import StoredDataset
+
+if TYPE_CHECKING:
+    from wheelrail.scenes.datasets.result_table import TextTable
 
 
 @dataclass(frozen=True, repr=False)
@@ -115,15 +118,38 @@ class Run(StoredDataset):
             animate_data(self.data, Path("run.nc"), Path(file), report_progress, frames=frames, fps=fps, scale=scale)
         return Path(file)
 
-    def __repr__(self) -> str:
-        from wheelrail.api.run_tables import text
+    @property
+    def _tables(self) -> list[TextTable]:
+        """Ranges of forces, pressure and contact positions by side."""
+        from wheelrail.scenes.datasets.result_table import TextTable
+        from wheelrail.scenes.quantities import RUN
 
-        return text(self.data)
+        sides, rows = [str(side) for side in self.data["side"].values], []
+        for name in ("lateral_force", "vertical_force", "patch_max_pressure", "wheel_y"):
+            values = (self.data[name].sel(side=side).values for side in sides)
+            finite = (own[np.isfinite(own)] for own in values)
+            rows.append(
+                [
+                    RUN[name].axis,
+                    *(RUN[name].texts([own.min(), own.max()], " to ") if own.size else "-" for own in finite),
+                ]
+            )
+        return [TextTable(self._heading, ["minimum to maximum", *sides], rows, frozenset((1, 2)))]
 
-    def _repr_html_(self) -> str:
-        from wheelrail.api.run_tables import html
+    @property
+    def _heading(self) -> str:
+        """One line: status, distance and time reached, lateral range, computing time."""
+        from wheelrail.scenes.quantities import RUN
 
-        return html(self.data)
+        data, y = self.data, RUN["body_y"]
+        reached, time = float(data["distance"].values[-1]), float(data["time"].values[-1])
+        lateral = data["body_y"].sel(body=data["wheelset"].values).values
+        bodies = "wheelsets" if data.sizes["wheelset"] > 1 else "wheelset"
+        return (
+            f"Vehicle run: {data.attrs['status']} at {reached:.1f} m, {time:.2f} s; {data.sizes['time']} samples, "
+            f"{bodies} y {y.texts([lateral.min()])} to {y.texts([lateral.max()])} {y.shown}; "
+            f"{float(data.attrs['seconds']):.1f} s computing time"
+        )
 
 
 def run(

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.api.solution_plots import SolutionPlots
-from wheelrail.api.solution_tables import html, patch_table, text
 from wheelrail.api.stored_dataset import StoredDataset
 
 if TYPE_CHECKING:
@@ -17,6 +16,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.results.result import ContactResult
     from wheelrail.scenes.builders.wheelset import SideProfiles
     from wheelrail.scenes.contacts.side_solution import SideSolution
+    from wheelrail.scenes.datasets.result_table import TextTable
     from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 
 
@@ -55,8 +55,12 @@ class Solution(StoredDataset):
 
     @property
     def patches(self) -> DataFrame:
-        """Table with one row per patch, in SI units: side, patch, normal_force N, max_pressure Pa, area m2, ..."""
-        return patch_table(self.data)
+        """Table with one row per patch, in SI units: side, patch, area m2, max_pressure Pa, normal_force N, ..."""
+        from wheelrail.scenes.quantities import PATCH
+
+        rows = self.data[[name for name in PATCH if name != "patch_strips"]].to_dataframe().reset_index()
+        present = rows["patch_normal_force"].notna()
+        return rows[present].rename(columns=lambda name: name.removeprefix("patch_")).reset_index(drop=True)
 
     @property
     def plot(self) -> SolutionPlots:
@@ -131,11 +135,11 @@ class Solution(StoredDataset):
             raise ValueError("export: no side is in contact")
         return [file for name in touching for file in export_side(scene, name, sides[name], Path(folder))]
 
-    def __repr__(self) -> str:
-        return text(self.data)
+    @property
+    def _tables(self) -> list[TextTable]:
+        from wheelrail.scenes.contacts.table import table
 
-    def _repr_html_(self) -> str:
-        return html(self.data)
+        return [table(self.data)]
 
 
 def solved(

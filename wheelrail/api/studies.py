@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
-from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +13,8 @@ from wheelrail.scenes.plots.style import panels, shown, styled
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from xarray import Dataset
+
+    from wheelrail.scenes.datasets.result_table import TextTable
 
 
 @dataclass(frozen=True, repr=False)
@@ -31,22 +31,11 @@ class Study(StoredDataset):
         """Figures: `plot()` for all, `plot.study()`, `plot.convergence()`."""
         return StudyPlots(self.data)
 
-    def __repr__(self) -> str:
-        from rich.console import Console
-
+    @property
+    def _tables(self) -> list[TextTable]:
         from wheelrail.scenes.studies.tables import tables
 
-        page = Console(file=StringIO(), width=120, color_system=None)
-        for table in tables(self.data):
-            page.print(table)
-        assert isinstance(page.file, StringIO)
-        return page.file.getvalue()
-
-    def _repr_html_(self) -> str:
-        return (
-            f"<div><pre>{escape(repr(self))}</pre>"
-            f"<details><summary>data</summary>{self.data._repr_html_()}</details></div>"
-        )
+        return [table.as_text for table in tables(self.data)]
 
 
 @dataclass(frozen=True)

@@ -15,15 +15,12 @@ import numpy as np
 
 from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
-from wheelrail.scenes.datasets.patches import means
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 from wheelrail.support.arrays import Mask
 
 if TYPE_CHECKING:
     from wheelrail.scenes.builders.wheelset import SideProfiles
     from wheelrail.scenes.contacts.side_solution import SideSolution
-
-LARGEST = 0.1  # of the approach: patches of virtual penetration differ by as much from elastic ones
 
 
 def unsolved_overlaps(
@@ -39,11 +36,7 @@ def unsolved_overlaps(
     for row, (name, solution) in enumerate(solved.items()):
         if solution.result.status == "converged":
             found[row] = _unsolved(scene, name, solution, profiles)
-    text = f"overlap of the undeformed bodies beyond their lowering outside the patches; up to {LARGEST:g} of the"
-    return {
-        "unsolved_overlap": ("side", found[:, 0], means("m", f"{text} approach patches of virtual penetration have")),
-        "unsolved_overlap_y": ("side", found[:, 1], means("m", "its lateral position on the profile of the wheel")),
-    }
+    return {"unsolved_overlap": found[:, 0], "unsolved_overlap_y": found[:, 1]}
 
 
 def _unsolved(scene: WheelsetScene, name: str, solution: SideSolution, profiles: SideProfiles) -> tuple[float, float]:

@@ -7,9 +7,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.contacts.side_values import SideValues
-from wheelrail.scenes.datasets.contact import ERRORS
-from wheelrail.scenes.datasets.patches import BANDS, PATCH_VARIABLES
-from wheelrail.scenes.datasets.run_schema import AXES, TURNS
+from wheelrail.scenes.quantities import AXES, CONTACT, ERRORS, PATCH_FIELDS, TURNS
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -19,41 +17,18 @@ ELASTIC = ("laws", "bodies", "points", "surface_size")
 MODEL_KEYS = {"standard": ("normal", "tangential"), "table": ("table",)}  # of models without elastic bodies
 FORCE = tuple(f"{axis}_force" for axis in AXES)
 MOMENT = tuple(f"{turn}_moment" for turn in TURNS)
-# Key of a patch: variable, or variables of the components of a vector.
-PATCH: dict[str, str | tuple[str, ...]] = {
-    "area": "patch_area",
-    "max_pressure": "patch_max_pressure",
-    "normal_force": "patch_normal_force",
-    "force": "patch_force",
-    "tangential_force": ("patch_longitudinal_force", "patch_lateral_force"),
-    "semi_axes": ("patch_semi_axis_x", "patch_semi_axis_y"),
-    "contact_angle": "patch_contact_angle",
-    "wheel_s": "wheel_s",
-    "rail_s": "rail_s",
-    "wheel_y": "wheel_y",
-    "rail_y": "rail_y",
-    "wheel_band": "wheel_band",
-    "rail_band": "rail_band",
-    "x": "patch_x",
-    "stick_area": "patch_stick_area",
-    "creepage": ("patch_longitudinal_creepage", "patch_lateral_creepage", "patch_spin"),
-    "frictional_power": "patch_frictional_power",
-    "strips": "patch_strips",
-}
 
 
 def _unit(names: str | tuple[str, ...]) -> str | list[str]:
     """Unit of a key of a patch, or units of its components where they differ."""
-    if isinstance(names, tuple):
-        units = [PATCH_VARIABLES[name][2] for name in names]
-        return units if len(set(units)) > 1 else units[0]
-    return "m" if names in BANDS else "N" if names == "patch_force" else PATCH_VARIABLES[names][2]
+    units = [CONTACT[name].unit for name in ([names] if isinstance(names, str) else names)]
+    return units if len(set(units)) > 1 else units[0]
 
 
 # Unit of a number by the innermost key that is here; constants of the user's laws have those of the law.
 UNITS: dict[str, str | list[str]] = {
-    **{name: unit for name, (unit, _) in ERRORS.items()},
-    **{key: _unit(names) for key, names in PATCH.items()},
+    **{name: error.unit for name, error in ERRORS.items()},
+    **{key: _unit(names) for key, names in PATCH_FIELDS.items()},
     **dict.fromkeys(
         ("friction", "share", "newton", "linear", "points", "residual", "contact_solves", "wavenumbers"), "1"
     ),
@@ -126,7 +101,7 @@ def _side(own: SideValues) -> dict[str, Any]:
 def _patches(own: SideValues) -> list[dict[str, Any]]:
     columns = {
         key: own.by_patch(names) if isinstance(names, str) else list(zip(*map(own.by_patch, names), strict=True))
-        for key, names in PATCH.items()
+        for key, names in PATCH_FIELDS.items()
     }
     return [{key: values[k] for key, values in columns.items()} for k in range(own.patches)]
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.contact.geometry.quadric_pair import curvature
-from wheelrail.scenes.datasets.patches import means
+from wheelrail.scenes.quantity import Quantity, filled
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 from wheelrail.support.arrays import Array
 
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from wheelrail.scenes.builders.wheelset import SideProfiles
     from wheelrail.scenes.contacts.side_solution import SideSolution
 
-# rad, of the surfaces across half a patch: the gap of two arcs of nearly the same radius R is 1 + 3/4 (y / R)^2 times
-# that of their parabolas, here by 7 %, and pressures turn as much from the common normal of half-spaces.
-WIDEST = 0.3
 OUTLINE = 2e-4  # m, spacing of the stored points of a profile
 
 
@@ -43,11 +40,7 @@ def gap_curvatures(
                 radius = scene.side("right" if name == "right" else "left").radius
                 assert radius is not None
                 coefficients[row, k] = _local(profiles[name], radius, patch.wheel_s, patch.rail_s)
-    text = "half the relative curvature of the rigid bodies at the patch centre, {}"
-    return {
-        f"patch_gap_curvature_{name}": (("side", "patch"), coefficients[:, :, axis], means("1/m", text.format(where)))
-        for axis, (name, where) in enumerate((("x", "longitudinal"), ("y", "lateral")))
-    }
+    return {f"patch_gap_curvature_{name}": coefficients[:, :, axis] for axis, name in enumerate("xy")}
 
 
 def _local(profiles: tuple[Profile, Profile], radius: float, wheel_s: float, rail_s: float) -> Array:
@@ -82,8 +75,7 @@ def turns(
             else:
                 places = zip(profiles[name], (patch.wheel_s, patch.rail_s), strict=True)
                 angles[row, k] = max(_turn(profile, s, patch.semi_axes[1]) for profile, s in places)
-    text = f"turn of the surfaces across half the patch; half-spaces stand for them up to {WIDEST:g}"
-    return {"patch_turn": (("side", "patch"), angles, means("rad", text))}
+    return {"patch_turn": angles}
 
 
 def _turn(profile: Profile, s: float, half: float) -> float:
@@ -110,9 +102,6 @@ def outlines(sides: Sequence[str], profiles: SideProfiles) -> dict[str, Any]:
                 values[row, : len(outline)] = outline
             dims = ("side", *dims)
         names = " and ".join(dict.fromkeys(profile.name for profile in bodies))
-        variables[f"{kind}_profile"] = (
-            dims,
-            values,
-            means("m", f"profile of the {kind} {names}: y to the field side, z up"),
-        )
+        own = Quantity(dims, "m", f"profile of the {kind} {names}: y to the field side, z up")
+        variables |= filled({f"{kind}_profile": own}, {f"{kind}_profile": values})
     return variables

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.contacts.overlaps import LARGEST
-from wheelrail.scenes.datasets.contact import ERRORS
+from wheelrail.scenes.quantities import ERRORS, LARGEST_OVERLAP
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -66,7 +65,7 @@ class SideValues:
     def unsolved(self) -> str:
         """Depth and place of an overlap that the model should have solved; empty without."""
         depth = self["unsolved_overlap"] if "unsolved_overlap" in self.data else 0.0
-        if not (self.patches and depth > LARGEST * self["approach"]):
+        if not (self.patches and depth > LARGEST_OVERLAP * self["approach"]):
             return ""
         return (
             f"overlap of {1e6 * depth:.1f} µm not solved at y = {1e3 * self['unsolved_overlap_y']:.1f} mm of the wheel"

@@ -13,9 +13,10 @@ from wheelrail.contact.analytical.hertz import modulus
 from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.contacts.overlaps import unsolved_overlaps
 from wheelrail.scenes.contacts.shapes import gap_curvatures, outlines, turns
-from wheelrail.scenes.contacts.stress import stress_variables
+from wheelrail.scenes.contacts.stress import stress_values
 from wheelrail.scenes.datasets.contact import contact_dataset
-from wheelrail.scenes.datasets.patches import means
+from wheelrail.scenes.quantities import SOLUTION
+from wheelrail.scenes.quantity import filled
 from wheelrail.scenes.schema.laws import LawTable
 from wheelrail.scenes.schema.profiles import SIDES
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
@@ -46,16 +47,18 @@ def solution_dataset(
     A choice that the contact model does not have, such as the bodies of the standard model, has no attribute.
     """
     data = contact_dataset({side: solution.result for side, solution in solved.items()}, _laws(scene, solved))
-    data = data.assign(
+    shapes = (scene, solved, profiles or {})
+    values = {
         **_poses(solved),
         **_structure(solved),
-        **_cost(solved),
-        **gap_curvatures(scene, solved, profiles or {}),
-        **turns(scene, solved, profiles or {}),
-        **unsolved_overlaps(scene, solved, profiles or {}),
-        **outlines(list(solved), profiles or {}),
-        **stress_variables(solved),
-    )
+        "contact_solves": [solution.solves for solution in solved.values()],
+        "contact_seconds": [solution.seconds for solution in solved.values()],
+        **gap_curvatures(*shapes),
+        **turns(*shapes),
+        **unsolved_overlaps(*shapes),
+        **stress_values(solved),
+    }
+    data = data.assign(filled(SOLUTION, values)).assign(outlines(list(solved), profiles or {}))
     bodies = (scene.upper, scene.lower) if isinstance(scene, HertzScene) else (scene, scene)
     upper, lower = ((body.E, body.nu) for body in bodies)
     return data.assign_attrs(
@@ -134,17 +137,8 @@ def _poses(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
     for row, solution in enumerate(solved.values()):
         if solution.pose is not None:
             origin[row], rotation[row] = solution.pose.origin, solution.pose.rotation
-    axes = means("1", "axes of the wheel as columns")
-    return {
-        "z": ("side", [solution.z for solution in solved.values()], means("m", "height above the nominal one")),
-        "roll": ("side", [solution.roll for solution in solved.values()], means("rad", "roll of the wheelset")),
-        "wheel_origin": (
-            ("side", "axis"),
-            origin,
-            means("m", "centre of the wheel in the plane of the rolling circle"),
-        ),
-        "wheel_rotation": (("side", "axis", "wheel_axis"), rotation, axes),
-    }
+    angles = {name: [getattr(solution, name) for solution in solved.values()] for name in ("z", "roll")}
+    return {**angles, "wheel_origin": origin, "wheel_rotation": rotation}
 
 
 def _structure(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
@@ -156,22 +150,8 @@ def _structure(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
     for row, motion in enumerate(motions):
         if motion is not None:
             hub[row], rail[row] = motion.hub, motion.rail
-    units = {"hub": "m and rad, x, y, z, then about x, y, z", "rail": "m and rad, y, z, then roll about the foot"}
-    variables: dict[str, Any] = {
-        "hub_motion": (("side", "hub_component"), hub, means(units["hub"], "motion of the hub against the wheelset")),
-        "rail_motion": (("side", "rail_component"), rail, means(units["rail"], "motion of the rail on its pads")),
-    }
+    values: dict[str, Any] = {"hub_motion": hub, "rail_motion": rail}
     axles = [motion.axle for motion in motions if motion is not None and motion.axle is not None]
     if len(axles) == len(motions):
-        stress = means("Pa", "bending stress at the bottom of the axle, on this side")
-        variables["axle_y"] = ("axle_place", axles[0][0], means("m", "distance from the middle of the axle"))
-        variables["axle_stress"] = (("side", "axle_place"), np.stack([values for _, values in axles]), stress)
-    return variables
-
-
-def _cost(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
-    solves, seconds = ([getattr(solution, name) for solution in solved.values()] for name in ("solves", "seconds"))
-    return {
-        "contact_solves": ("side", solves, means("1", "contact problems solved")),
-        "contact_seconds": ("side", seconds, means("s", "time for all contact solves")),
-    }
+        values |= {"axle_y": axles[0][0], "axle_stress": np.stack([stress for _, stress in axles])}
+    return values

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.builders.loaded_bodies import stressed_bodies
-from wheelrail.scenes.datasets.patches import means
 from wheelrail.scenes.schema.errors import SceneError
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ def subsurface_stress(
     return stress
 
 
-def stress_variables(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
+def stress_values(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
     """Requested stresses below the patches over side, body, patch and depth, and their cost; none without stress.
 
     Parameters:
@@ -73,13 +72,12 @@ def stress_variables(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
         for k, patch in enumerate(stress.patches):
             mises[row, body, k], tensor[row, body, k] = patch.von_mises, patch.stress
             position[row, body, k] = patch.position
-    dims = ("side", "body", "patch", "depth")
     return {
-        "body": ("body", bodies),
-        "depth": ("depth", depth, means("m", "depth below the surface")),
-        "von_mises": (dims, mises, means("Pa", "von Mises stress below the patch")),
-        "stress": ((*dims, "axis", "other_axis"), tensor, means("Pa", "stress below the patch")),
-        "stress_position": ((*dims, "axis"), position, means("m", "position of the stress")),
-        "stress_wavenumbers": (dims[:2], wavenumbers, means("1", "number of wavenumbers of the stress")),
-        "stress_seconds": (dims[:2], seconds, means("s", "computing time of the stress")),
+        "body": bodies,
+        "depth": depth,
+        "von_mises": mises,
+        "stress": tensor,
+        "stress_position": position,
+        "stress_wavenumbers": wavenumbers,
+        "stress_seconds": seconds,
     }

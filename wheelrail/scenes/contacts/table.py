@@ -3,68 +3,64 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from wheelrail.contact.results.result import FEWEST_STRIPS
 from wheelrail.scenes.contacts.report import FORCE, MOMENT
-from wheelrail.scenes.contacts.shapes import WIDEST
 from wheelrail.scenes.contacts.side_values import SideValues
-from wheelrail.scenes.datasets.number_text import fixed, significant
 from wheelrail.scenes.datasets.result_table import TextTable
+from wheelrail.scenes.quantities import CONTACT, ERRORS, SOLUTION, WIDEST
+from wheelrail.scenes.quantity import Quantity, significant
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 
-def _numbers(values: Sequence[float], scale: float, digits: int) -> str:
-    return "  ".join(fixed(scale * value, digits) for value in values)
-
-
-def _points(own: SideValues) -> str:
-    return f"{own['points_count']}"
-
-
-def _tangential(own: SideValues) -> list[float]:
-    return [sum(own.by_patch(f"patch_{axis}_force")) for axis in ("longitudinal", "lateral")]
-
-
-ROWS: tuple[tuple[str, Callable[[SideValues], str]], ...] = (
-    ("status", lambda own: str(own["status"])),
-    ("force x, y, z [kN]", lambda own: _numbers(own.vector(FORCE), 1e-3, 3)),
-    ("moment x, y, z [N m]", lambda own: _numbers(own.vector(MOMENT), 1.0, 2)),
-    ("normal force [kN]", lambda own: _numbers([sum(own.by_patch("patch_normal_force"))], 1e-3, 3)),
-    ("tangential force longitudinal, lateral [kN]", lambda own: _numbers(_tangential(own), 1e-3, 3)),
-    ("approach [µm]", lambda own: _numbers([own["approach"]], 1e6, 2)),
-    ("z [mm]", lambda own: _numbers([own["z"]], 1e3, 4)),
-    ("roll [mrad]", lambda own: _numbers([own["roll"]], 1e3, 4)),
-    ("contact points", _points),
-    ("contact solves", lambda own: str(own["contact_solves"])),
-    ("Newton, linear iterations (last solve)", lambda own: f"{own['newton_count']}, {own['linear_count']}"),
-    ("computing time [s]", lambda own: _numbers([own["contact_seconds"]], 1.0, 2)),
+# Variables of a row of a patch; the first has label, unit and digits.
+PATCH_ROWS = (
+    ("patch_normal_force",),
+    ("patch_area",),
+    ("patch_max_pressure",),
+    ("patch_semi_axis_x", "patch_semi_axis_y"),
+    ("patch_contact_angle",),
+    ("wheel_s", "rail_s"),
+    ("patch_stick_area",),
 )
-# Label, estimated error, scale.
-ERROR_ROWS = (
-    ("force [kN]", "force", 1e-3),
-    ("moment [N m]", "moment", 1.0),
-    ("peak pressure [MPa]", "max_pressure", 1e-6),
-    ("area [mm²]", "area", 1e6),
+FRICTION_ROWS = (
+    ("patch_longitudinal_creepage", "patch_lateral_creepage"),
+    ("patch_spin",),
+    ("patch_frictional_power",),
 )
-# Label, variables of the patch, scale, digits.
-PATCH_ROWS: tuple[tuple[str, tuple[str, ...], float, int], ...] = (
-    ("normal force [kN]", ("patch_normal_force",), 1e-3, 3),
-    ("area [mm²]", ("patch_area",), 1e6, 2),
-    ("peak pressure [MPa]", ("patch_max_pressure",), 1e-6, 1),
-    ("semi-axes longitudinal, lateral [mm]", ("patch_semi_axis_x", "patch_semi_axis_y"), 1e3, 3),
-    ("contact angle [mrad]", ("patch_contact_angle",), 1e3, 2),
-    ("position on wheel, on rail (arc length) [mm]", ("wheel_s", "rail_s"), 1e3, 3),
-    ("stick area [mm²]", ("patch_stick_area",), 1e6, 2),
-)
-FRICTION_ROWS: tuple[tuple[str, tuple[str, ...], float, int], ...] = (
-    ("creepage longitudinal, lateral [1e-3]", ("patch_longitudinal_creepage", "patch_lateral_creepage"), 1e3, 4),
-    ("spin creepage [1/m]", ("patch_spin",), 1.0, 4),
-    ("frictional power [W]", ("patch_frictional_power",), 1.0, 2),
-)
+
+
+def _sum(own: SideValues, *names: str) -> tuple[Quantity, list[float]]:
+    """Sums over the patches."""
+    return CONTACT[names[0]], [sum(own.by_patch(name)) for name in names]
+
+
+def _rows(own: SideValues) -> dict[str, str]:
+    """Texts of a side by label."""
+    force = CONTACT["vertical_force"]._replace(label="force x, y, z", digits=3)
+    numbers = (
+        (force, own.vector(FORCE)),
+        (CONTACT["roll_moment"], own.vector(MOMENT)),
+        _sum(own, "patch_normal_force"),
+        _sum(own, "patch_longitudinal_force", "patch_lateral_force"),
+        *((quantity, [own[name]]) for name, quantity in (("approach", CONTACT["approach"]), *POSITION.items())),
+    )
+    return {
+        "status": str(own["status"]),
+        **{quantity.head: quantity.texts(values) for quantity, values in numbers},
+        "contact points": str(own["points_count"]),
+        "contact solves": str(own["contact_solves"]),
+        "Newton, linear iterations (last solve)": f"{own['newton_count']}, {own['linear_count']}",
+        COST.head: COST.texts([own["contact_seconds"]]),
+    }
+
+
+POSITION, COST = {name: SOLUTION[name] for name in ("z", "roll")}, SOLUTION["contact_seconds"]
+MISES, DEPTH = SOLUTION["von_mises"], SOLUTION["depth"]
 
 
 def table(data: Dataset) -> TextTable:
@@ -75,14 +71,17 @@ def table(data: Dataset) -> TextTable:
     """
     names = data["side"].values.tolist()
     sides = [SideValues(data, name) for name in ("left", "right", "contact") if name in names]
-    rows: list[tuple[str, ...]] = [(label, *(text(own) if own.ok else "-" for own in sides)) for label, text in ROWS]
+    texts = [_rows(own) for own in sides]
+    rows: list[tuple[str, ...]] = [
+        (label, *(own[label] if side.ok else "-" for side, own in zip(sides, texts, strict=True))) for label in texts[0]
+    ]
     if any(own.unsolved for own in sides):
         rows.append(("strips solve more", *(own.unsolved for own in sides)))
     if any(own.error_estimate for own in sides):
         rows.append(())
-        for label, name, scale in ERROR_ROWS:
-            estimates = (_error(scale * own.error_estimate[name]) if own.error_estimate else "-" for own in sides)
-            rows.append((f"error estimate: {label}", *estimates))
+        for name, error in ERRORS.items():
+            estimates = (_error(error.scale * own.error_estimate[name]) if own.error_estimate else "-" for own in sides)
+            rows.append((error.head, *estimates))
     for patch in range(max((own.patches for own in sides), default=0)):
         rows.append(())
         rows += [(f"patch {patch + 1}: {label}", *cells) for label, cells in _patch_rows(data, sides, patch)]
@@ -100,27 +99,23 @@ def _heading(data: Dataset) -> str:
 
 def _patch_rows(data: Dataset, sides: Sequence[SideValues], patch: int) -> Iterator[tuple[str, list[str]]]:
     """Labels and cells of the patches with one index; cells of sides with fewer patches are empty."""
-    for label, names, scale, digits in (*PATCH_ROWS, *(FRICTION_ROWS if data.attrs["friction"] else ())):
-        yield (
-            label,
-            [
-                _numbers([own.by_patch(name)[patch] for name in names], scale, digits) if patch < own.patches else ""
-                for own in sides
-            ],
-        )
+    for names in (*PATCH_ROWS, *(FRICTION_ROWS if data.attrs["friction"] else ())):
+        first = CONTACT[names[0]]
+        cells = ([own.by_patch(name)[patch] for name in names] if patch < own.patches else [] for own in sides)
+        yield first.head, list(map(first.texts, cells))
     if any(own.strips(patch) for own in sides):
         kind = "points" if data.attrs.get("points") == "grid" else "strips"
         yield f"{kind} across", [_strips(own.strips(patch)) for own in sides]
     if any(own.turn(patch) > WIDEST for own in sides):
         yield "turn across half the patch [rad]", [_turn(own.turn(patch)) for own in sides]
     for body in dict.fromkeys(body for own in sides for body in own.stressed_bodies):
-        label = f"largest von Mises stress, {body} [MPa], at depth [mm]"
+        label = f"{MISES.label}, {body} [{MISES.shown}], at depth [{DEPTH.shown}]"
         yield label, [_largest(own, body, patch) if patch < own.patches else "" for own in sides]
 
 
 def _largest(own: SideValues, body: str, patch: int) -> str:
     mises, depth = own.largest_von_mises(body, patch)
-    return f"{fixed(1e-6 * mises, 1)}  {fixed(1e3 * depth, 3)}"
+    return f"{MISES.texts([mises])}  {DEPTH.texts([depth])}"
 
 
 def _strips(count: int) -> str:

@@ -11,9 +11,10 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import MIRROR
 from wheelrail.contact.results.result import ContactResult, Fields
-from wheelrail.scenes.datasets.declared import Declared, Schema, check, filled
+from wheelrail.scenes.datasets.declared import check
 from wheelrail.scenes.datasets.patches import patch_variables
-from wheelrail.scenes.datasets.run_schema import AXES, TURNS, wheel_schema
+from wheelrail.scenes.quantities import AXES, CONTACT, ERRORS, SOLUTION, TURNS
+from wheelrail.scenes.quantity import filled
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.arrays import Array, Mask
 
@@ -24,49 +25,6 @@ if TYPE_CHECKING:
 
 LOCAL = ("longitudinal", "lateral", "normal")
 MIRROR_LOCAL = np.array([1.0, -1.0, 1.0])  # mirror image of local components
-# Attribute of the result's error estimate: unit, meaning.
-ERRORS = {
-    "force": ("N", "estimated error of the force, magnitude"),
-    "moment": ("N m", "estimated error of the moment, magnitude"),
-    "max_pressure": ("Pa", "estimated error of the peak pressure"),
-    "area": ("m2", "estimated error of the contact area"),
-}
-BY_SIDE, BY_POINT = ("side",), ("point",)
-CONTACT: Schema = {
-    "side": Declared(BY_SIDE, "", ""),
-    "status": Declared(BY_SIDE, "", "status of the solve"),
-    **{name: of_wheel for name, of_wheel in wheel_schema(BY_SIDE).items() if of_wheel.needed and name != "in_contact"},
-    "patch_force": Declared(("side", "patch", "axis"), "N", "force of the patch on the wheel"),
-    **{f"{name}_error": Declared(BY_SIDE, units, text, False) for name, (units, text) in ERRORS.items()},
-    **{
-        f"{name}_count": Declared(BY_SIDE, "1", f"{text} of the last solve")
-        for name, text in (
-            ("newton", "Newton iterations"),
-            ("linear", "linear iterations"),
-            ("points", "contact points"),
-        )
-    },
-    "residual": Declared(BY_SIDE, "1", "relative residual of the last solve"),
-    "phase": Declared(("phase",), "", "", False),
-    "phase_seconds": Declared(("side", "phase"), "s", "time for a phase of the last solve", False),
-    "share": Declared(
-        BY_POINT, "1", "share of the strips of the point in the result, between two widths of strips", False
-    ),
-    "point_side": Declared(BY_POINT, "", "side of the point"),
-    "point_patch": Declared(BY_POINT, "1", "patch of the point, -1 for none"),
-    "position": Declared(("point", "axis"), "m", "position in the frame of the rail of the side: forward, left, up"),
-    "axes": Declared(
-        ("point", "direction", "axis"), "1", "longitudinal, lateral and outward normal axis of the wheel surface"
-    ),
-    "area": Declared(BY_POINT, "m2", "area of the cell of the point, times its share"),
-    "step": Declared(BY_POINT, "m", "length of the cell of the point in rolling direction"),
-    "penetration": Declared(BY_POINT, "m", "penetration of the undeformed bodies"),
-    "pressure": Declared(BY_POINT, "Pa", "contact pressure"),
-    "traction": Declared(("point", "tangent"), "Pa", "tangential traction on the wheel"),
-    "slip": Declared(("point", "tangent"), "1", "slip velocity of the wheel against the rail over the rolling speed"),
-    "displacement": Declared(("point", "direction"), "m", "elastic displacement, wheel minus rail"),
-    "sticks": Declared(BY_POINT, "1", "whether the surfaces stick"),
-}
 ATTRIBUTES: dict[str, type] = {"status": str, "model": str, "contact_modulus": float}
 
 
@@ -86,10 +44,9 @@ def contact_dataset(results: Mapping[str, ContactResult], laws: Mapping[str, Con
     every = {
         "status": [result.status for result in results.values()],
         **_totals(results),
-        "patch_force": _patch_forces(results),
         **_points(results, laws),
     }
-    patches = patch_variables([result.patches for result in results.values()], BY_SIDE, (len(sides),))
+    patches = patch_variables([result.patches for result in results.values()], CONTACT, (len(sides),))
     coordinates = {
         "side": ("side", sides),
         "edge": ("edge", ["low", "high"]),
@@ -108,7 +65,7 @@ def check_contact(data: Dataset, file: Path) -> None:
         data: Dataset of the file.
         file: for messages.
     """
-    check(data, file, CONTACT, ATTRIBUTES)
+    check(data, file, CONTACT | SOLUTION, ATTRIBUTES)
     patches = data["patches"].values
     if not ((patches >= 0) & (patches <= data.sizes["patch"]) & (patches == np.round(patches))).all():
         raise SceneError(f"{file}: patches: must be whole numbers from 0 to {data.sizes['patch']}, the length of patch")
@@ -137,16 +94,6 @@ def _totals(results: Mapping[str, ContactResult]) -> dict[str, Any]:
             [result.statistics.seconds.get(phase, np.nan) for phase in phases] for result in listed
         ]
     return variables
-
-
-def _patch_forces(results: Mapping[str, ContactResult]) -> Array:
-    """Resultants (side, patch, axis) of the patches, padded with NaN."""
-    lists = [result.patches for result in results.values()]
-    force = np.full((len(lists), max([1, *map(len, lists)]), 3), np.nan)
-    for row, patches in enumerate(lists):
-        for k, patch in enumerate(patches):
-            force[row, k] = patch.force
-    return force
 
 
 def _points(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws]) -> dict[str, Any]:

@@ -1,57 +1,19 @@
-"""Declarations of the variables and attributes of results, from which they are written and by which they are read."""
+"""Check of the variables and attributes of a file of results by their declarations."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.scenes.quantity import Schema
 from wheelrail.scenes.schema.errors import SceneError
 
 if TYPE_CHECKING:
-    from xarray import Dataset, Variable
-
-
-class Declared(NamedTuple):
-    """Declaration of a variable.
-
-    Parameters:
-        dims: names of its dimensions.
-        units: of its values; empty for texts.
-        text: meaning.
-        needed: whether a file without it is refused.
-    """
-
-    dims: tuple[str, ...]
-    units: str
-    text: str
-    needed: bool = True
-
-    @property
-    def attributes(self) -> dict[str, str]:
-        """Attributes of the variable."""
-        return {name: value for name, value in (("units", self.units), ("long_name", self.text)) if value}
-
-
-Schema = Mapping[str, Declared]
-
-
-def filled(schema: Schema, values: Mapping[str, Any]) -> dict[str, Variable]:
-    """Variables of declared names with their dimensions, units and meanings; raises KeyError for another name.
-
-    Parameters:
-        schema: declarations.
-        values: arrays by name.
-    """
-    from xarray import Variable
-
-    return {
-        name: Variable(schema[name].dims, getattr(value, "data", value), schema[name].attributes)
-        for name, value in values.items()
-    }
+    from xarray import Dataset
 
 
 def check(data: Dataset, file: Path, schema: Schema, attributes: Mapping[str, type]) -> None:
@@ -72,8 +34,8 @@ def check(data: Dataset, file: Path, schema: Schema, attributes: Mapping[str, ty
         if found.dims != declared.dims:
             found_dims, dims = (", ".join(map(str, names)) for names in (found.dims, declared.dims))
             raise SceneError(f"{file}: {name}: is over {found_dims or 'nothing'}; must be over {dims}")
-        if (found.dtype.kind in "fiub") != bool(declared.units):
-            kind = "numbers" if declared.units else "texts"
+        if (found.dtype.kind in "fiub") != bool(declared.unit):
+            kind = "numbers" if declared.unit else "texts"
             raise SceneError(f"{file}: {name}: values of type {found.dtype}; must be {kind}")
     for name, needed in attributes.items():
         value = data.attrs.get(name)

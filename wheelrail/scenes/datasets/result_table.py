@@ -9,22 +9,9 @@ from math import isfinite, isnan
 from pathlib import Path
 from typing import Any
 
-from wheelrail.scenes.datasets.number_text import fixed, significant
+from wheelrail.scenes.quantity import SCALES, fixed, significant
 
 FIGURES = 4  # significant ones of numbers without a number of decimals
-# SI unit and number of a unit for readers in it.
-SCALES = {
-    "kN": ("N", 1e-3),
-    "kN m": ("N m", 1e-3),
-    "kW": ("W", 1e-3),
-    "mm": ("m", 1e3),
-    "µm": ("m", 1e6),
-    "mm²": ("m2", 1e6),
-    "mrad": ("rad", 1e3),
-    "MPa": ("Pa", 1e-6),
-    "%": ("1", 1e2),
-    "‰": ("1", 1e3),
-}
 
 
 @dataclass(frozen=True)
@@ -44,6 +31,18 @@ class TextTable:
     rows: Sequence[Sequence[str]]
     right: frozenset[int]
     note: str = ""
+
+    def __str__(self) -> str:
+        """Title, and rows in columns of equal width."""
+        rows = [list(self.head), *(list(row) for row in self.rows if row)]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = (
+            "  ".join(
+                c.rjust(w) if k in self.right else c.ljust(w) for k, (c, w) in enumerate(zip(row, widths, strict=True))
+            )
+            for row in rows
+        )
+        return "\n".join(filter(None, (self.title, *map(str.rstrip, lines), self.note)))
 
 
 @dataclass(frozen=True)

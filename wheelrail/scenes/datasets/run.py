@@ -9,11 +9,12 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.loading.flexible_wheelset import MIRRORED_HUB, MIRRORED_RAIL
-from wheelrail.scenes.datasets.declared import filled
 from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.datasets.patches import patch_variables
 from wheelrail.scenes.datasets.run_derived import guiding_variables, wear
-from wheelrail.scenes.datasets.run_schema import AXES, BY_WHEEL, EDGES, FORM, RUN, TURNS
+from wheelrail.scenes.datasets.run_file import FORM
+from wheelrail.scenes.quantities import AXES, EDGES, RUN, TURNS
+from wheelrail.scenes.quantity import filled
 from wheelrail.support.arrays import Array
 from wheelrail.support.version import commit, versions
 from wheelrail.vehicle.multibody.coordinates import YAW
@@ -59,7 +60,7 @@ def dataset(history: History, *, scene: str = "", vehicle: str = "", shear_yield
         "element": list(own.elements),
         "axis": ["x", "y", "z"],
     }
-    patches = patch_variables(wheels, BY_WHEEL, (len(history), len(own.wheelsets), len(SIDES)))
+    patches = patch_variables(wheels, RUN, (len(history), len(own.wheelsets), len(SIDES)))
     attributes = {
         "title": "Run of a vehicle on elastic wheel-rail contact",
         "form": FORM,

@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.datasets.run_schema import COMPONENTS
+from wheelrail.scenes.quantities import COMPONENTS
 from wheelrail.support.arrays import Array
 from wheelrail.support.atomic_file import atomic_file
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.contact.stress.shakedown import load_factor, surface_fatigue_index, utilisation
-from wheelrail.scenes.datasets.declared import filled
-from wheelrail.scenes.datasets.run_schema import RUN
+from wheelrail.scenes.quantities import RUN
+from wheelrail.scenes.quantity import filled
 from wheelrail.vehicle.multibody.wheel_forces import OUTWARDS
 from wheelrail.vehicle.simulation.energy_balance import APPLIED, energy_balance
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import TYPE_CHECKING
@@ -11,30 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import trapezoid
 
-from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.datasets.result_table import Column, ResultTable
-from wheelrail.scenes.datasets.run_schema import of_wagon
+from wheelrail.scenes.quantities import AXES, RUN
+from wheelrail.scenes.quantity import significant
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 
-# Label, variable, whether it has a side, scale, unit.
-CHANNELS = (
-    ("wheelset y", "wheelset_y", False, 1e3, "mm"),
-    ("wheelset z", "wheelset_z", False, 1e3, "mm"),
-    ("wheelset roll", "wheelset_roll", False, 1e3, "mrad"),
-    ("bogie y", "bogie_y", False, 1e3, "mm"),
-    ("bogie roll", "bogie_roll", False, 1e3, "mrad"),
-    ("car body y", "car_body_y", False, 1e3, "mm"),
-    ("car body roll", "car_body_roll", False, 1e3, "mrad"),
-    ("bumpstop force", "bumpstop_force", False, 1e-3, "kN"),
-    ("longitudinal force", "longitudinal_force", True, 1e-3, "kN"),
-    ("lateral force", "lateral_force", True, 1e-3, "kN"),
-    ("vertical force", "vertical_force", True, 1e-3, "kN"),
-    ("T-gamma", "t_gamma", True, 1.0, "N"),
-)
 WINDOW = 0.1  # s, of the local parabolas whose residual is the noise
 
 
@@ -59,12 +44,32 @@ class RunDifference:
     span: float
 
 
+def wheels(data: Dataset) -> dict[str, dict[str, str]]:
+    """Place of every wheel by its name: side, after the wheelset where there are several."""
+    names = data["wheelset"].values.tolist()
+    return {
+        f"{name} {side}" if len(names) > 1 else side: {"wheelset": name, "side": side}
+        for name in names
+        for side in data["side"].values.tolist()
+    }
+
+
 def channels(data: Dataset) -> Iterator[tuple[str, str, Array]]:
-    """Label, unit and values (n,) of every channel, wheel by wheel."""
-    for label, name, sided, scale, unit in CHANNELS:
-        for side in data["side"].values if sided else (None,):
-            values = of_wagon(data, name) if side is None else of_wagon(data, name).sel(side=side)
-            yield label if side is None else f"{label}, {side}", unit, scale * values.values
+    """Label, unit and values (n,) of every channel: bodies, elements, wheels."""
+    for body in reversed(data["body"].values.tolist()):
+        for axis in ("y", "z", "roll") if body in data["wheelset"] else ("y", "roll"):
+            yield _channel(data, f"body_{axis}", {"body": body}, f"{body.replace('_', ' ')} {axis}")
+    for element in data["element"].values.tolist():
+        place = {"element": element, "axis": "y"}
+        yield _channel(data, "element_force", place, f"{element.replace('_', ' ')} force")
+    for name in (*(f"{axis}_force" for axis in AXES), "t_gamma"):
+        for wheel, place in wheels(data).items():
+            yield _channel(data, name, place, f"{RUN[name].label}, {wheel}")
+
+
+def _channel(data: Dataset, name: str, place: Mapping[str, str], label: str) -> tuple[str, str, Array]:
+    own = RUN[name]
+    return label, own.shown, own.scale * data[name].sel(place).values
 
 
 def differences(one: Dataset, other: Dataset) -> list[RunDifference]:
@@ -108,9 +113,9 @@ def noise(data: Dataset) -> dict[str, tuple[float, float]]:
     """RMS noise of vertical and lateral force of each wheel, N, over the run and in the full curve."""
     values = {}
     for name in ("vertical_force", "lateral_force"):
-        for side in data["side"].values:
-            residual = scatter(data["time"].values, of_wagon(data, name).sel(side=side).values)
-            values[f"{name.replace('_', ' ')}, {side}"] = (rms(residual), rms(residual[full_curve(data)]))
+        for wheel, place in wheels(data).items():
+            residual = scatter(data["time"].values, data[name].sel(place).values)
+            values[f"{RUN[name].label}, {wheel}"] = (rms(residual), rms(residual[full_curve(data)]))
     return values
 
 

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
-from wheelrail.scenes.datasets.declared import Declared, check, filled
+from wheelrail.scenes.datasets.declared import check
 from wheelrail.scenes.datasets.input_files import scene_of_run
 from wheelrail.scenes.datasets.netcdf import read
 from wheelrail.scenes.datasets.run_derived import guiding_variables
-from wheelrail.scenes.datasets.run_schema import ATTRIBUTES, EDGES, FORM, MOTION, RUN, TIME, TRACK
+from wheelrail.scenes.quantities import EDGES, MOTION, RUN, TIME, TRACK
+from wheelrail.scenes.quantity import Quantity, filled
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, HELD, WHEELSET, plane_vehicle
 
@@ -20,6 +21,17 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 FARTHEST = 1e7  # m along the track
+FORM = 2  # of results, their attribute; those of the plane wagon without it have no bodies, wheelsets and elements
+ATTRIBUTES: dict[str, type] = {
+    **dict.fromkeys(("status", "scene", "vehicle"), str),
+    **dict.fromkeys(("speed", "seconds", "steps_accepted", "steps_rejected", "steps_failed", "evaluations"), float),
+    **dict.fromkeys(("nominal_radius", "wheel_y", "mean_wheel_load"), float),
+}
+
+
+def is_of_wagon(data: Dataset) -> bool:
+    """Whether the results are those of the plane wagon of the scene, which have no text of a vehicle file."""
+    return not data.attrs["vehicle"]
 
 
 def read_run(file: Path) -> Dataset:
@@ -76,8 +88,8 @@ def _with_wheelsets(data: Dataset, file: Path) -> Dataset:
     """
     moving = [f"{name}{rate}" for name in COORDINATES for rate in ("", "_rate")]
     outputs = ("yaw_reaction", "bumpstop_deflection", "bumpstop_force")
-    needed = dict.fromkeys((*moving, *outputs, "distance"), Declared(TIME, "1", ""))
-    wheels = {name: Declared(("time", "side"), "1", "") for name in ("lateral_force", "vertical_force")}
+    needed = dict.fromkeys((*moving, *outputs, "distance"), Quantity(TIME, "1", ""))
+    wheels = {name: Quantity(("time", "side"), "1", "") for name in ("lateral_force", "vertical_force")}
     check(data, file, {**TRACK, **needed, **wheels}, {"nominal_radius": float})
     scene = scene_of_run(data, file)
     vehicle, zero = plane_vehicle(scene.vehicle.on(scene.wheelset.radius)), np.zeros(data.sizes["time"])

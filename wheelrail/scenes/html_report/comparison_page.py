@@ -14,18 +14,17 @@ from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
 from wheelrail.scenes.html_report.run_page import SIGNS, key_tables
 from wheelrail.scenes.html_report.views import run_view
 from wheelrail.scenes.plots.comparison import PICTURES
+from wheelrail.scenes.quantities import RUN
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
 CAPTIONS = {
     "compare_displacement": "Lateral displacement of wheelset and car body, positive to the left [mm]",
-    "compare_lateral_force": "Lateral contact force Y, positive to the left [kN]",
-    "compare_vertical_force": "Vertical contact force Q, positive upwards [kN]",
-    "compare_longitudinal_force": "Longitudinal contact force X, positive forward [kN]",
+    **{f"compare_{name}": RUN[name].caption for name in ("lateral_force", "vertical_force", "longitudinal_force")},
     "compare_on_wheel": "Contact positions on the wheels [mm]: patches of the first model, points of the second",
     "compare_on_rail": "Contact positions on the rails [mm]: patches of the first model, points of the second",
-    "compare_t_gamma": "T-gamma: frictional energy per metre of track [N]",
+    "compare_t_gamma": RUN["t_gamma"].caption,
     "compare_scatter": "Residuals of forces from parabolas over 0.1 s [N]: numerical noise where the motion is steady",
     "compare_shakedown": "Shakedown map: load factor of every patch over its utilisation",
 }

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from datetime import datetime
 from typing import Any
 
-from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.html_report.elements import PageNote, PagePicture, Part
+from wheelrail.scenes.quantity import significant
 
 
 def origin(attrs: Mapping[str, Any]) -> dict[str, str]:

@@ -13,6 +13,7 @@ from wheelrail.scenes.html_report.figures import picture
 from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
 from wheelrail.scenes.html_report.views import run_view
 from wheelrail.scenes.plots.runs import CHORD, energy, of_wheels, pictures_of
+from wheelrail.scenes.quantities import RUN
 from wheelrail.scenes.schema.errors import SceneError
 
 if TYPE_CHECKING:
@@ -21,17 +22,17 @@ if TYPE_CHECKING:
 
 CAPTIONS = {  # in the order of the page, figures of equal height side by side
     "attitude": "Plan view of the wheelsets with the horizontal forces on their wheels, at the largest guiding forces",
-    "guiding_force": "Guiding force Y of every wheel, positive outwards [kN]",
-    "wheel_load": "Wheel load Q of every wheel [kN]",
-    "lateral_force": "Lateral contact force Y on both wheels, positive to the left [kN]",
-    "vertical_force": "Vertical contact force Q on both wheels, positive upwards [kN]",
+    "guiding_force": RUN["guiding_force"].caption,
+    "wheel_load": RUN["vertical_force"].caption,
+    "lateral_force": RUN["lateral_force"].caption,
+    "vertical_force": RUN["vertical_force"].caption,
     "contact_on_wheel": "Contact positions on the wheels: lateral extent [mm], coloured by peak pressure [MPa]",
     "contact_on_rail": "Contact positions on the rails: lateral extent [mm], coloured by peak pressure [MPa]",
     "lateral_displacement": "Lateral displacement of wheelset and car body, positive to the left [mm]",
-    "derailment_quotient": "Derailment quotient Y/Q of every wheel [1]",
-    "track_shifting_force": "Sum of Y of every wheelset, positive to the right [kN]",
+    "derailment_quotient": RUN["derailment_quotient"].caption,
+    "track_shifting_force": RUN["track_shifting_force"].caption,
     "shakedown": "Shakedown map: load factor of every patch over its utilisation, with the limit for line contact",
-    "t_gamma": "T-gamma of every wheel: frictional energy per metre of track [N]",
+    "t_gamma": RUN["t_gamma"].caption,
     "energy": "Mechanical energy, and work by cause [kJ]",
     "wheelset_motion": "Lateral displacement and yaw of the wheelsets [mm, mrad]",
     "traction": "Over time: speed of vehicle and rims [m/s], longitudinal forces of the wheelsets [kN], torques [kN m]",

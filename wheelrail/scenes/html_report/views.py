@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.scenes.datasets.run_file import read_run
-from wheelrail.scenes.datasets.run_schema import is_of_wagon
+from wheelrail.scenes.datasets.run_file import is_of_wagon, read_run
 from wheelrail.scenes.html_report.elements import PageNote, PageView, number
 from wheelrail.scenes.html_report.figures import view
 from wheelrail.scenes.plots.runs import named

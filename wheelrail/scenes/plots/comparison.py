@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.datasets.number_text import significant
-from wheelrail.scenes.datasets.run_differences import full_curve, rms, scatter
-from wheelrail.scenes.datasets.run_schema import of_wagon
-from wheelrail.scenes.plots.runs import WHEELS, along_track, named, patch_bands
+from wheelrail.scenes.datasets.run_differences import full_curve, rms, scatter, wheels
+from wheelrail.scenes.plots.runs import along_track, named, patch_bands
 from wheelrail.scenes.plots.style import save, styled
+from wheelrail.scenes.quantities import RUN
+from wheelrail.scenes.quantity import significant
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,24 +41,25 @@ def draw_comparison(runs: Runs, names: Names, folder: Path) -> Iterator[Path]:
 def displacements(runs: Runs, names: Names) -> Figure:
     """Lateral displacement of wheelset and car body, Figs. 11 and 12."""
     figure, axes = along_track(runs[0], 2)
-    for ax, variable, title in zip(axes, ("wheelset_y", "car_body_y"), ("wheelset", "car body"), strict=True):
+    y, first = RUN["body_y"], runs[0]
+    for ax, body in zip(axes, (first["wheelset"].values[0], first["body"].values[0]), strict=True):
         for data, label, look in zip(runs, names, LOOKS, strict=True):
-            ax.plot(data["distance"], 1e3 * of_wagon(data, variable), label=label, **look)
-        ax.set_title(f"Lateral displacement of the {title}")
-        ax.set_ylabel("y, positive to the left [mm]")
+            ax.plot(data["distance"], y.scale * data["body_y"].sel(body=body), label=label, **look)
+        ax.set_title(f"Lateral displacement of the {body.replace('_', ' ')}")
+        ax.set_ylabel(y.axis)
     axes[0].legend(loc="best", ncols=2)
     return figure
 
 
 def of_wheels(name: str, runs: Runs, names: Names) -> Figure:
-    """A quantity of each wheel, Figs. 13 to 16; name: of a variable, in `WHEELS`."""
-    scale, title, label = WHEELS[name]
-    figure, axes = along_track(runs[0], 2)
-    for ax, side in zip(axes, runs[0]["side"].values, strict=True):
+    """A quantity of each wheel, Figs. 13 to 16; name: of a variable."""
+    own, places = RUN[name], wheels(runs[0])
+    figure, axes = along_track(runs[0], len(places))
+    for ax, (wheel, place) in zip(axes, places.items(), strict=True):
         for data, run, look in zip(runs, names, LOOKS, strict=True):
-            ax.plot(data["distance"], scale * of_wagon(data, name).sel(side=side), label=run, **look)
-        ax.set_title(f"{title}, {named(str(side), runs[0])}")
-        ax.set_ylabel(label)
+            ax.plot(data["distance"], own.scale * data[name].sel(place), label=run, **look)
+        ax.set_title(f"{own.title}, {named(wheel, runs[0])}")
+        ax.set_ylabel(own.axis)
     axes[0].legend(loc="best", ncols=2)
     return figure
 
@@ -66,8 +67,8 @@ def of_wheels(name: str, runs: Runs, names: Names) -> Figure:
 def sections(body: str, runs: Runs, names: Names) -> Figure:
     """Patches of the first model on the wheels or rails as bands, contact points of the second, Figs. 17 to 20."""
     figure, points = patch_bands(body, runs[0]), runs[1]
-    for ax, side in zip(figure.axes, points["side"].values, strict=False):  # the last axes are the colour bar
-        position = 1e3 * of_wagon(points, f"{body}_y").sel(side=side).values
+    for ax, place in zip(figure.axes, wheels(points).values(), strict=False):  # the last axes are the colour bar
+        position = 1e3 * points[f"{body}_y"].sel(place).values
         distance = np.broadcast_to(points["distance"].values[:, None], position.shape)
         ax.plot(distance.ravel(), position.ravel(), ".", ms=2.2, color=DOTS, label=f"contact points, {names[1]}")
     figure.axes[0].legend(loc="lower left", title=f"bands: patches, {names[0]}", alignment="left")
@@ -76,16 +77,16 @@ def sections(body: str, runs: Runs, names: Names) -> Figure:
 
 def force_scatter(runs: Runs, names: Names) -> Figure:
     """Residuals of vertical and lateral forces from local parabolas over 0.1 s: numerical noise in steady motion."""
-    figure, axes = along_track(runs[0], 4)
-    panels = [(name, side) for name in ("vertical_force", "lateral_force") for side in runs[0]["side"].values]
-    for ax, (variable, side) in zip(axes, panels, strict=True):
+    panels = [(name, *wheel) for name in ("vertical_force", "lateral_force") for wheel in wheels(runs[0]).items()]
+    figure, axes = along_track(runs[0], len(panels))
+    for ax, (variable, wheel, place) in zip(axes, panels, strict=True):
         for data, label, look in zip(runs, names, LOOKS, strict=True):
-            residual = scatter(data["time"].values, of_wagon(data, variable).sel(side=side).values)
+            residual = scatter(data["time"].values, data[variable].sel(place).values)
             style = {"color": look["color"], "linewidth": 0.6}
             noise = rms(residual[full_curve(data)])
             text = f"{label}, RMS {significant(rms(residual), 2)} N, {significant(noise, 2)} N in the full curve"
             ax.plot(data["distance"], residual, label=text, **style)
-        ax.set_title(f"Residual noise of the {variable.replace('_', ' ')} on the {named(str(side), runs[0])} wheel")
+        ax.set_title(f"Residual noise of the {RUN[variable].label} on the {named(wheel, runs[0])} wheel")
         ax.set_ylabel("[N]")
         ax.legend(loc="lower right", fontsize=7.5)
     return figure

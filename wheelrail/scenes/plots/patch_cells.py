@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.scenes.datasets.number_text import significant
+from wheelrail.scenes.quantity import significant
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.plots.patch_cells import PatchCells, chosen, title, touching
 from wheelrail.scenes.plots.style import PRESSURE_MAP, REGIONS, axes_of, save, styled
+from wheelrail.scenes.quantity import significant
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:

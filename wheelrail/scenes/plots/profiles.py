@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.plots.patch_cells import touching
 from wheelrail.scenes.plots.style import axes_of
+from wheelrail.scenes.quantity import significant
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:

@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.datasets.run_schema import is_of_wagon
+from wheelrail.scenes.datasets.run_file import is_of_wagon
 from wheelrail.scenes.plots.style import PRESSURE_MAP, SERIES, SIDES, literal, save, styled
+from wheelrail.scenes.quantities import RUN
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -24,18 +25,6 @@ if TYPE_CHECKING:
 LEAST_RANGE = 1e-3  # mm, kN or N, of axes over distance: below the tolerances of runs
 # A body on two bogies at a distance a lies inside the centre line of a curve by a^2 / 8R at its own centre.
 CHORD = "in curves y of a long body contains the rise of its chord"
-WHEELS = {  # variables of the wheels: scale, title, label with the shown unit
-    "lateral_force": (1e-3, "Lateral contact force on the wheels", "Y, positive to the left [kN]"),
-    "vertical_force": (1e-3, "Vertical contact force on the wheels", "Q, positive upwards [kN]"),
-    "longitudinal_force": (1e-3, "Longitudinal contact force on the wheels", "X, positive forward [kN]"),
-    "t_gamma": (1.0, "T-gamma of the wheels", "frictional energy per metre [N]"),
-    "guiding_force": (1e-3, "Guiding force Y", "Y, outwards [kN]"),
-    "derailment_quotient": (1.0, "Derailment quotient Y/Q", "Y/Q [1]"),
-}
-BANDS = {
-    "wheel": "from the rolling circle,\npositive to the field side [mm]",
-    "rail": "from the top of the rail,\npositive to the field side [mm]",
-}
 LARGEST_OFFSET, LONGEST_ARROW = 0.3, 1.0  # m in the plan view: displacement of a wheel, force
 
 
@@ -73,7 +62,7 @@ def displacements(data: Dataset, figure: Figure | None = None) -> Figure:
     for ax, bodies in zip(axes, (data["wheelset"].values, data["body"].values[:1]), strict=True):
         _lines(ax, data, 1e3 * data["body_y"].sel(body=bodies), "body")
         ax.set_title("Lateral displacement")
-        ax.set_ylabel("y, positive to the left [mm]")
+        ax.set_ylabel(RUN["body_y"].axis)
         least_range(ax)
     return figure
 
@@ -82,19 +71,18 @@ def of_wheels(name: str, data: Dataset, figure: Figure | None = None) -> Figure:
     """A quantity of all wheels, Figs. 13 to 16: one panel for each wheelset.
 
     Parameters:
-        name: of a variable, in `WHEELS`.
+        name: of a variable.
         data: Dataset of a run.
         figure: Matplotlib figure; a new one by default.
     """
-    scale, title, label = WHEELS[name]
-    names = data["wheelset"].values.tolist()
+    own, names = RUN[name], data["wheelset"].values.tolist()
     figure, axes = along_track(data, len(names), sharey=True, figure=figure)
     for ax, wheelset in zip(axes, names, strict=True):
         for side, style in SIDES.items():
-            values = scale * data[name].sel(wheelset=wheelset, side=side)
+            values = own.scale * data[name].sel(wheelset=wheelset, side=side)
             ax.plot(data["distance"], values, label=named(side, data), **style)
-        ax.set_title(title + _suffix(wheelset, names))
-        ax.set_ylabel(label)
+        ax.set_title(own.title + _suffix(wheelset, names))
+        ax.set_ylabel(own.axis)
         least_range(ax)
     axes[0].legend(loc="best", ncols=2, frameon=True, framealpha=0.85, edgecolor="none")
     return figure
@@ -174,7 +162,7 @@ def track_shifting_forces(data: Dataset, figure: Figure | None = None) -> Figure
     figure, (ax,) = along_track(data, 1, figure=figure)
     _lines(ax, data, 1e-3 * data["track_shifting_force"], "wheelset")
     ax.set_title("Lateral force on the track, sum of Y of every wheelset")
-    ax.set_ylabel("sum of Y, positive to the right [kN]")
+    ax.set_ylabel(RUN["track_shifting_force"].axis)
     return figure
 
 
@@ -236,10 +224,10 @@ def _motion(data: Dataset, title: str, figure: Figure | None) -> Figure:
     figure, (top, bottom) = along_track(data, 2, figure=figure)
     _lines(top, data, 1e3 * data["body_y"], "body")
     top.set_title(f"Lateral displacement {title}, from the centre line")
-    top.set_ylabel("y, positive to the left [mm]")
+    top.set_ylabel(RUN["body_y"].axis)
     _lines(bottom, data, 1e3 * data["body_yaw"], "body")
     bottom.set_title(f"Yaw {title}")
-    bottom.set_ylabel("yaw, positive to the left [mrad]")
+    bottom.set_ylabel(RUN["body_yaw"].axis)
     return figure
 
 
@@ -341,7 +329,8 @@ def patch_bands(body: str, data: Dataset, figure: Figure | None = None) -> Figur
     names = data["wheelset"].values.tolist()
     wheels = [(name, side) for name in names for side in SIDES]
     figure, axes = along_track(data, len(wheels), sharey=True, figure=figure)
-    band, pressure = 1e3 * data[f"{body}_band"], 1e-6 * data["patch_max_pressure"]
+    peak = RUN["patch_max_pressure"]
+    band, pressure = RUN[f"{body}_band"].scale * data[f"{body}_band"], peak.scale * data["patch_max_pressure"]
     shade = Normalize(0.0, float(pressure.max(skipna=True).fillna(1.0)))
     for ax, (name, side) in zip(axes, wheels, strict=True):
         at = {"wheelset": name, "side": side}
@@ -351,9 +340,9 @@ def patch_bands(body: str, data: Dataset, figure: Figure | None = None) -> Figur
         ax.add_collection(strips)
         ax.autoscale_view(scalex=False)
         ax.set_title(f"Contact on the {named(side, data)} {body}{_suffix(name, names)}")
-        ax.set_ylabel(BANDS[body])
+        ax.set_ylabel(RUN[f"{body}_band"].axis.replace(", ", ",\n"))
     bar = figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), ax=axes, pad=0.01, aspect=40)
-    bar.set_label("peak pressure of the patch [MPa]")
+    bar.set_label(peak.caption)
     return figure
 
 

@@ -7,9 +7,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.datasets.number_text import fixed
 from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
 from wheelrail.scenes.plots.style import SERIES, literal, save, styled
+from wheelrail.scenes.quantity import fixed
 from wheelrail.scenes.runs.run import vehicle_for_run
 from wheelrail.scenes.runs.steady import failures_as_run_failed, vehicle_dynamics
 from wheelrail.scenes.schema.errors import SceneError

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from wheelrail.scenes.datasets.number_text import fixed
 from wheelrail.scenes.datasets.result_table import Results, TextTable
 from wheelrail.scenes.datasets.run_file import read_run
+from wheelrail.scenes.quantity import fixed
 from wheelrail.scenes.runs.files import RESULTS
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.evaluation.running_safety import WINDOW, Assessed, WheelsetSafety, wheelset_safety

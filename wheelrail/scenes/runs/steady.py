@@ -13,8 +13,8 @@ import numpy as np
 
 from wheelrail.scenes.builders.vehicle import applied_loads, vehicle_on
 from wheelrail.scenes.builders.wheelset import run_contact
-from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
+from wheelrail.scenes.quantity import significant
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.support.interrupts import deferred_interrupts

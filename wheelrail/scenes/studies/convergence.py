@@ -50,8 +50,8 @@ def with_errors(data: Dataset, plan: Plan) -> Dataset:
             error = (error**2).mean(list(convergence.rms_over)) ** 0.5
         if not float(error.max()) > EXACT:
             continue
-        text = PHYSICAL[name][1]
-        data[REFERENCE + name] = reference.assign_attrs(units=PHYSICAL[name][0], long_name=f"{text}, reference")
+        unit, text = PHYSICAL[name].unit, PHYSICAL[name].text
+        data[REFERENCE + name] = reference.assign_attrs(units=unit, long_name=f"{text}, reference")
         data[ERROR + name] = error.assign_attrs(units="1", long_name=f"{text}: relative error")
         order, deviation = fitted(error, size, axis.name, convergence.finest)
         data[ORDER + name] = order.assign_attrs(units="1", long_name=f"{text}: order of the error")

@@ -14,7 +14,7 @@ import numpy as np
 from wheelrail.scenes.datasets.input_files import FILES, packed
 from wheelrail.scenes.datasets.netcdf import machine
 from wheelrail.scenes.studies.plan import Plan, numbers, shown
-from wheelrail.scenes.studies.quantities import MEANINGS
+from wheelrail.scenes.studies.quantities import QUANTITIES
 from wheelrail.scenes.studies.solve import CaseResult
 from wheelrail.support.version import commit
 
@@ -84,23 +84,17 @@ class StudyDataset:
         coordinates = self.coordinates()
         side_names = [
             name
-            for name in MEANINGS
+            for name in QUANTITIES
             if any(name in values for result in self.results.values() for values in result.sides.values())
         ]
-        case_names = [name for name in MEANINGS if any(name in result.whole for result in self.results.values())]
+        case_names = [name for name in QUANTITIES if any(name in result.whole for result in self.results.values())]
         variables: dict[str, Any] = {}
         for name in side_names:
-            units, text = MEANINGS[name]
             dims = (*self.dims, "side") if self.sides else self.dims
-            variables[name + "_result" * (name in coordinates)] = (
-                dims,
-                self._sided(name),
-                {"units": units, "long_name": text},
-            )
+            variables[name + "_result" * (name in coordinates)] = dims, self._sided(name), QUANTITIES[name].attributes
         for name in case_names:
-            units, text = MEANINGS[name]
             values = self._filled(lambda result, name=name: result.whole.get(name, np.nan), np.nan)  # type: ignore[misc]
-            variables[name] = (self.dims, values, {"units": units, "long_name": text})
+            variables[name] = self.dims, values, QUANTITIES[name].attributes
         attrs = {"units": "s", "long_name": "computing time of the case including preparation"}
         variables["seconds"] = (self.dims, self._filled(lambda result: result.seconds, np.nan), attrs)
         skipped = np.full(self.plan.shape, fill_value=True)

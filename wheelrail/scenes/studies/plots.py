@@ -12,7 +12,7 @@ from wheelrail.scenes.plots import errors as panels
 from wheelrail.scenes.plots.style import SERIES, literal, save, styled
 from wheelrail.scenes.studies.convergence import errors_of, finest_of, increasing_of, largest_errors, series_of
 from wheelrail.scenes.studies.plan import SAMPLE, shown
-from wheelrail.scenes.studies.quantities import MAIN, varying
+from wheelrail.scenes.studies.quantities import QUANTITIES, varying
 from wheelrail.scenes.studies.tables import dimensions, order_text, parameters, series_label
 
 if TYPE_CHECKING:
@@ -58,13 +58,15 @@ def lines(data: Dataset, figure: Figure | None = None) -> Figure | None:
     combinations = list(np.ndindex(*(data.sizes[dim] for dim in other_dims)))[:LINES]
     figure, panels = _panels(figure, len(names))
     for panel, name in zip(panels, names, strict=True):
-        label, scale, unit = MAIN[name]
+        own = QUANTITIES[name]
         for number, index in enumerate(combinations):
             array = data[name].isel(dict(zip(other_dims, index, strict=True)))
             for side in data["side"].values if "side" in array.dims else [None]:
                 values = array if side is None else array.sel(side=side)
-                panel.plot(*_ordered(data[over], scale * values.values), **_line_style(number), **SIDES.get(side, {}))
-        panel.set_ylabel(f"{label} [{unit}]")
+                panel.plot(
+                    *_ordered(data[over], own.scale * values.values), **_line_style(number), **SIDES.get(side, {})
+                )
+        panel.set_ylabel(own.head)
         _along(panel, data[over])
     handles = [
         Line2D([], [], label=_combination(data, other_dims, index), **_line_style(i))
@@ -92,7 +94,7 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
         return None
     figure, panels = _panels(figure, 2 * len(names), columns=2)
     for row, name in enumerate(names):
-        label, scale, unit = MAIN[name]
+        own = QUANTITIES[name]
         columns = (
             data[name].stack(line=[dim for dim in data[name].dims if dim != SAMPLE]) if data[name].ndim > 1 else None
         )
@@ -110,12 +112,12 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
         bars.invert_yaxis()
         bars.set_xlim(-1.0, 1.0)
         bars.axvline(0.0, color="0.4", linewidth=0.8)
-        bars.set_xlabel(f"rank correlation with {label} [-]")
+        bars.set_xlabel(f"rank correlation with {own.label} [-]")
         strongest = sampled[int(np.nanargmax(np.abs(correlations).max(axis=0)))]
         for index, (y, text) in enumerate(zip(series, texts, strict=True)):
             style: dict[str, Any] = {"color": COLOURS[index], "marker": MARKERS[index]}
-            dots.plot(data[strongest].values, scale * y, linestyle="", markersize=3.0, label=text, **style)
-        dots.set_ylabel(f"{label} [{unit}]")
+            dots.plot(data[strongest].values, own.scale * y, linestyle="", markersize=3.0, label=text, **style)
+        dots.set_ylabel(own.head)
         _along(dots, data[strongest])
         if columns is not None:
             dots.legend()

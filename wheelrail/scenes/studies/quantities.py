@@ -2,129 +2,132 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from wheelrail.scenes.datasets.run_schema import of_wagon
+from wheelrail.scenes.quantities import AXES, CONTACT, ERRORS, PATCH, RUN, SOLUTION, TURNS
+from wheelrail.scenes.quantity import Quantity
+from wheelrail.vehicle.multibody.plane_wagon import HELD
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    from xarray import DataArray, Dataset
 
     from wheelrail.scenes.contacts.side_values import SideValues
 
-# Name: unit, meaning. One value for each side of a contact scene.
-CONTACT = {
-    "normal_force": ("N", "normal force of all patches"),
-    "longitudinal_force": ("N", "contact force on the wheel or the upper body, positive forward"),
-    "lateral_force": ("N", "contact force on the wheel or the upper body, positive to the left"),
-    "vertical_force": ("N", "contact force on the wheel or the upper body, positive upwards"),
-    "roll_moment": ("N m", "moment of the contact force about the forward axis"),
-    "spin_moment": ("N m", "moment of the contact force about the lateral axis"),
-    "yaw_moment": ("N m", "moment of the contact force about the upward axis"),
-    "max_pressure": ("Pa", "peak pressure of all patches"),
-    "area": ("m2", "area of all patches"),
-    "approach": ("m", "approach of the bodies: largest penetration of the undeformed bodies; negative is a gap"),
-    "semi_axis_x": ("m", "longitudinal semi-axis of the patch with the largest load"),
-    "semi_axis_y": ("m", "lateral semi-axis of the patch with the largest load"),
-    "stick_area": ("m2", "stick area"),
-    "frictional_power": ("W", "frictional power"),
-    "z": ("m", "height of the wheelset or the upper body"),
-    "roll": ("rad", "roll of the wheelset"),
+ALL = "all patches"
+# Reduction of the values of a run over time and patches: word of the label, words of the meaning, function.
+REDUCTIONS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
+    "largest": ("largest ", "largest magnitude", lambda values: np.nanmax(np.abs(values))),
+    "greatest": ("maximum ", "maximum", np.nanmax),
+    "least": ("minimum ", "minimum", np.nanmin),
+    "mean": ("mean ", "mean over the samples", np.nanmean),
 }
-ESTIMATES = {
-    "force_error_estimate": ("N", "estimated error of the contact force"),
-    "moment_error_estimate": ("N m", "estimated error of the moment"),
-    "max_pressure_error_estimate": ("Pa", "estimated error of the peak pressure"),
-    "area_error_estimate": ("m2", "estimated error of the area"),
+
+
+class Reduced(NamedTuple):
+    """A variable of a run, and how it becomes a number; at: place in a dimension, body or suspension element."""
+
+    variable: str
+    reduction: str
+    at: Mapping[str, str] = {}
+
+    def of(self, data: Dataset) -> DataArray:
+        """Values over time, and side and patch."""
+        values = data[self.variable].sel(self.at, drop=True)
+        return values.squeeze(["wheelset"] if "wheelset" in values.dims else [], drop=True)
+
+    @property
+    def place(self) -> str:
+        """Name of the body or of the element; empty without."""
+        return next(iter(self.at.values()), "").replace("_", " ")
+
+    @property
+    def quantity(self) -> Quantity:
+        """Quantity of the number."""
+        (word, words, _), own, place = REDUCTIONS[self.reduction], RUN[self.variable], self.place
+        label, text = (f"{place} {own.label}", f"{own.label} of the {place}") if place else (own.label, own.text)
+        text = text.partition(":")[0].replace("the patch", ALL)
+        return own._replace(label=f"{word}{label}", text=f"{text}, {words}")
+
+
+def _of_patches(*names: str) -> dict[str, Quantity]:
+    """Quantities of all patches together."""
+    of_one = {name: PATCH[f"patch_{name}"] for name in names}
+    return {name: own._replace(text=own.text.replace("the patch", ALL)) for name, own in of_one.items()}
+
+
+FORCES = tuple(f"{axis}_force" for axis in AXES)
+MOMENTS = tuple(f"{turn}_moment" for turn in TURNS)
+# One value for each side of a contact scene.
+CONTACT_SIDES = {
+    **_of_patches("normal_force"),
+    **{name: CONTACT[name]._replace(text=f"{CONTACT[name].text}, {CONTACT[name].sign}") for name in FORCES},
+    **{name: CONTACT[name] for name in MOMENTS},
+    **_of_patches("max_pressure", "area"),
+    "approach": CONTACT["approach"],
+    **{
+        name: own._replace(text=f"{own.text}, patch with the largest load")
+        for name, own in _of_patches("semi_axis_x", "semi_axis_y").items()
+    },
+    **_of_patches("stick_area", "frictional_power"),
+    **{name: SOLUTION[name] for name in ("z", "roll")},
 }
 STRESSES = {
-    f"largest_von_mises_{body}": ("Pa", f"largest von Mises stress at the requested depths, {body}")
+    f"largest_von_mises_{body}": Quantity((), "Pa", f"largest von Mises stress at the requested depths, {body}")
     for body in ("wheel", "rail", "upper", "lower")
 }
 COST = {
-    "patches": ("1", "number of contact patches"),
-    "points": ("1", "contact points of the last solve"),
-    "contact_solves": ("1", "contact problems solved"),
-    "newton_iterations": ("1", "Newton iterations of the last solve, or of the whole run"),
-    "solve_seconds": ("s", "time for all contact solves"),
-    "warm_seconds": ("s", "time for all contact solves, repeated with compiled code, meshes and compliances at hand"),
+    "patches": CONTACT["patches"],
+    "points": CONTACT["points_count"],
+    "contact_solves": SOLUTION["contact_solves"],
+    "newton_iterations": Quantity((), "1", "Newton iterations of the last solve, or of the whole run"),
+    "solve_seconds": SOLUTION["contact_seconds"],
+    "warm_seconds": Quantity(
+        (), "s", "time for all contact solves, repeated with compiled code, meshes and compliances at hand"
+    ),
 }
-# One value for each side of a run: variable, how it is summed up, unit, meaning.
 RUN_SIDES = {
-    "largest_lateral_force": (
-        "lateral_force",
-        "largest",
-        "N",
-        "largest magnitude of the lateral contact force on the wheel",
-    ),
-    "largest_longitudinal_force": (
-        "longitudinal_force",
-        "largest",
-        "N",
-        "largest magnitude of the longitudinal contact force on the wheel",
-    ),
-    "least_vertical_force": ("vertical_force", "least", "N", "minimum vertical contact force on the wheel"),
-    "greatest_vertical_force": ("vertical_force", "greatest", "N", "maximum vertical contact force on the wheel"),
-    "max_pressure": ("patch_max_pressure", "greatest", "Pa", "peak pressure of all patches"),
-    "greatest_t_gamma": ("t_gamma", "greatest", "N", "maximum T-gamma"),
-    "mean_t_gamma": ("t_gamma", "mean", "N", "T-gamma, mean over the samples"),
+    **{f"largest_{name}": Reduced(name, "largest") for name in ("lateral_force", "longitudinal_force")},
+    **{f"{how}_vertical_force": Reduced("vertical_force", how) for how in ("least", "greatest")},
+    "max_pressure": Reduced("patch_max_pressure", "greatest"),
+    **{f"{how}_t_gamma": Reduced("t_gamma", how) for how in ("greatest", "mean")},
 }
-RUN = {
-    "largest_wheelset_y": (
-        "wheelset_y",
-        "largest",
-        "m",
-        "largest magnitude of the lateral displacement of the wheelset",
-    ),
-    "largest_bogie_y": ("bogie_y", "largest", "m", "largest magnitude of the lateral displacement of the bogie"),
-    "largest_car_body_y": (
-        "car_body_y",
-        "largest",
-        "m",
-        "largest magnitude of the lateral displacement of the car body",
-    ),
-    "largest_car_body_roll": ("car_body_roll", "largest", "rad", "largest magnitude of the roll of the car body"),
-    "largest_bumpstop_force": ("bumpstop_force", "largest", "N", "largest magnitude of the bumpstop force"),
-    "distance": ("distance", "greatest", "m", "distance run"),
+RUN_WHOLE = {
+    **{f"largest_{body}_y": Reduced("body_y", "largest", {"body": body}) for body in reversed(HELD)},
+    "largest_car_body_roll": Reduced("body_roll", "largest", {"body": "car_body"}),
+    "largest_bumpstop_force": Reduced("element_force", "largest", {"element": "bumpstop", "axis": "y"}),
+    "distance": Reduced("distance", "greatest"),
 }
 RUN_COST = {
-    "steps_accepted": ("1", "steps of the integrator"),
-    "steps_rejected": ("1", "steps rejected"),
-    "evaluations": ("1", "evaluations of the equations of motion"),
-    "run_seconds": ("s", "computing time of the run without preparation of the contact model"),
+    "steps_accepted": Quantity((), "1", "steps of the integrator"),
+    "steps_rejected": Quantity((), "1", "steps rejected"),
+    "evaluations": Quantity((), "1", "evaluations of the equations of motion"),
+    "run_seconds": Quantity((), "s", "computing time of the run without preparation of the contact model"),
 }
-HISTORIES = ("distance", "wheelset_y", "wheelset_z", "wheelset_roll", "bogie_y", "car_body_y", "car_body_roll")
-SIDED_HISTORIES = ("longitudinal_force", "lateral_force", "vertical_force", "t_gamma")
-
-PHYSICAL = {
-    **CONTACT,
-    **STRESSES,
-    **{name: entry[2:] for name, entry in (RUN_SIDES | RUN).items()},
+HISTORIES = {
+    **{name: Reduced(name, "") for name in ("time", "distance")},
+    **{f"{body}_y": Reduced("body_y", "", {"body": body}) for body in HELD},
+    **{f"{body}_roll": Reduced("body_roll", "", {"body": body}) for body in ("car_body", "wheelset")},
+    "wheelset_z": Reduced("body_z", "", {"body": "wheelset"}),
+    **{name: Reduced(name, "") for name in (*FORCES, "t_gamma")},
 }
-MEANINGS: dict[str, tuple[str, str]] = {**PHYSICAL, **ESTIMATES, **COST, **RUN_COST}
-# Quantities of tables and figures, if they vary between cases: label, scale, unit.
-MAIN = {
-    "max_pressure": ("peak pressure", 1e-6, "MPa"),
-    "area": ("area", 1e6, "mm²"),
-    "lateral_force": ("lateral force", 1e-3, "kN"),
-    "longitudinal_force": ("longitudinal force", 1e-3, "kN"),
-    "approach": ("approach", 1e6, "µm"),
-    "normal_force": ("normal force", 1e-3, "kN"),
-    "largest_wheelset_y": ("largest wheelset y", 1e3, "mm"),
-    "largest_lateral_force": ("largest lateral force", 1e-3, "kN"),
-    "least_vertical_force": ("minimum vertical force", 1e-3, "kN"),
-    "greatest_t_gamma": ("maximum T-gamma", 1.0, "N"),
-    "largest_car_body_roll": ("largest car body roll", 1e3, "mrad"),
+PHYSICAL = {name: own.quantity for name, own in (RUN_SIDES | RUN_WHOLE).items()}
+PHYSICAL = {**CONTACT_SIDES, **STRESSES, **{name: own for name, own in PHYSICAL.items() if name not in CONTACT_SIDES}}
+QUANTITIES: dict[str, Quantity] = {
+    **PHYSICAL,
+    **{f"{name}_error_estimate": own for name, own in ERRORS.items()},
+    **COST,
+    **RUN_COST,
 }
+# Quantities of tables and figures, if they vary between cases.
+MAIN = (
+    *("max_pressure", "area", "lateral_force", "longitudinal_force", "approach", "normal_force"),
+    *("largest_wheelset_y", "largest_lateral_force", "least_vertical_force", "greatest_t_gamma"),
+    "largest_car_body_roll",
+)
 SAME = 1e-4  # relative differences below it are due to the load search
-SUMMED: dict[str, Callable[[Any], Any]] = {
-    "largest": lambda values: np.nanmax(np.abs(values)),
-    "greatest": np.nanmax,
-    "least": np.nanmin,
-    "mean": np.nanmean,
-}
 
 
 def of_contact(own: SideValues) -> dict[str, float]:
@@ -134,11 +137,9 @@ def of_contact(own: SideValues) -> dict[str, float]:
     load = own.by_patch("patch_normal_force")
     quantities = {
         "normal_force": sum(load),
-        **{name: own[name] for name in ("longitudinal_force", "lateral_force", "vertical_force")},
-        **{name: own[name] for name in ("roll_moment", "spin_moment", "yaw_moment")},
+        **{name: own[name] for name in (*FORCES, *MOMENTS, "approach", "z", "roll")},
         "max_pressure": max(own.by_patch("patch_max_pressure"), default=0.0),
         **{name: sum(own.by_patch(f"patch_{name}")) for name in ("area", "stick_area", "frictional_power")},
-        **{name: own[name] for name in ("approach", "z", "roll")},
     }
     if load:
         main = load.index(max(load))
@@ -162,35 +163,32 @@ def of_run(data: Dataset) -> tuple[dict[str, dict[str, float]], dict[str, float]
     sides: dict[str, dict[str, float]] = {}
     for side in map(str, data["side"].values):
         side_data = data.sel(side=side)
-        sides[side] = {
-            name: _summed(side_data[variable].values, statistic)
-            for name, (variable, statistic, _, _) in RUN_SIDES.items()
-        } | {
+        sides[side] = {name: _number(own, side_data) for name, own in RUN_SIDES.items()} | {
             "contact_solves": float(side_data["contact_solves"]),
             "newton_iterations": float(side_data["newton_iterations"]),
             "solve_seconds": float(side_data["contact_seconds"]),
         }
-    run_values = {
-        name: _summed(of_wagon(data, variable).values, statistic) for name, (variable, statistic, _, _) in RUN.items()
-    }
+    run_values = {name: _number(own, data) for name, own in RUN_WHOLE.items()}
     run_values |= {name: float(data.attrs[name]) for name in ("steps_accepted", "steps_rejected", "evaluations")}
     return sides, run_values | {"run_seconds": float(data.attrs["seconds"])}
 
 
 def histories_of(data: Dataset) -> dict[str, Any]:
     """Time histories of a run by name: values (time,) or (time, side), with unit and description."""
-    histories = {}
-    for name in ("time", *HISTORIES, *SIDED_HISTORIES):
-        values = of_wagon(data, name)
-        histories[name] = {"values": values.values.tolist()} | {
-            key: values.attrs[key] for key in ("units", "long_name")
+    return {
+        name: {
+            "values": own.of(data).values.tolist(),
+            "units": RUN[own.variable].unit,
+            "long_name": ": ".join(filter(None, (own.place, RUN[own.variable].text))),
         }
-    return histories
+        for name, own in HISTORIES.items()
+    }
 
 
-def _summed(values: Any, statistic: str) -> float:
+def _number(own: Reduced, data: Dataset) -> float:
+    values = own.of(data).values
     finite = values[np.isfinite(values)]
-    return float(SUMMED[statistic](finite)) if finite.size else float("nan")
+    return float(REDUCTIONS[own.reduction][2](finite)) if finite.size else float("nan")
 
 
 def varying(data: Dataset) -> list[str]:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wheelrail.scenes.datasets.declared import Declared, Schema, check
+from wheelrail.scenes.datasets.declared import check
 from wheelrail.scenes.datasets.netcdf import read
+from wheelrail.scenes.quantity import Quantity, Schema
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.studies.convergence import ERROR, ORDER, ORDER_ERROR, REFERENCE, errors_of
 from wheelrail.scenes.studies.plan import SAMPLE
-from wheelrail.scenes.studies.quantities import MEANINGS
+from wheelrail.scenes.studies.quantities import QUANTITIES
 from wheelrail.support.text_file import json_value
 
 if TYPE_CHECKING:
@@ -60,14 +61,14 @@ def check_study_data(data: Dataset, file: Path) -> None:
 
 def _schema(data: Dataset, dims: tuple[str, ...]) -> Schema:
     """Declarations of the texts and numbers of every case, and of the quantities that the file has."""
-    texts = {name: Declared(dims, "", "") for name in ("status", "error", "host")}
+    texts = {name: Quantity(dims, "", "") for name in ("status", "error", "host")}
     by_side = (*dims, "side") if "side" in data.dims else dims
     quantities = {
-        str(name): Declared(by_side if "side" in values.dims else dims, MEANINGS[str(name)][0], "")
+        str(name): Quantity(by_side if "side" in values.dims else dims, QUANTITIES[str(name)].unit, "")
         for name, values in data.data_vars.items()
-        if name in MEANINGS
+        if name in QUANTITIES
     }
-    return {**texts, "seconds": Declared(dims, "s", "computing time"), **quantities}
+    return {**texts, "seconds": Quantity(dims, "s", "computing time"), **quantities}
 
 
 def _numbers(data: Dataset) -> dict[str, type]:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wheelrail.scenes.datasets.number_text import significant
 from wheelrail.scenes.datasets.result_table import Column, ResultTable
 from wheelrail.scenes.plots.fits import slope
+from wheelrail.scenes.quantity import significant
 from wheelrail.scenes.studies.convergence import (
     ORDER,
     ORDER_ERROR,
@@ -20,7 +20,7 @@ from wheelrail.scenes.studies.convergence import (
     series_of,
 )
 from wheelrail.scenes.studies.plan import SAMPLE, shown
-from wheelrail.scenes.studies.quantities import MAIN, MEANINGS, varying
+from wheelrail.scenes.studies.quantities import QUANTITIES, varying
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -72,14 +72,14 @@ def case_table(data: Dataset, rows: int = ROWS, where: str = "in the results") -
         label = f"{data[name].attrs['long_name']}" + (f" [{unit}]" if unit not in ("", "1") else "")
         columns += [_texts(label, map(_short, values)), _values(name, values, unit)]
     for name in main:
-        label, scale, unit = MAIN[name]
+        scale = QUANTITIES[name].scale
         numbers = (map(_number, np.atleast_1d(scale * own)) for own in flat(data, name))
-        columns.append(_texts(f"{label} [{unit}]", map(" / ".join, numbers)))
-    for name in MEANINGS:
+        columns.append(_texts(QUANTITIES[name].head, map(" / ".join, numbers)))
+    for name, quantity in QUANTITIES.items():
         if name in data:
             values = flat(data, name).tolist()
             by_side = [dict(zip(sides, own, strict=True)) if isinstance(own, list) else own for own in values]
-            columns.append(_values(name, by_side, MEANINGS[name][0]))
+            columns.append(_values(name, by_side, quantity.unit))
     seconds, statuses, errors = (flat(data, name).tolist() for name in ("seconds", "status", "error"))
     columns += [
         _texts("s", (significant(value, 2) for value in seconds)),

@@ -15,9 +15,8 @@ from wheelrail.scenes.builders.vehicle_file import parse_vehicle
 from wheelrail.scenes.builders.wheelset import inclined_profiles, mounted
 from wheelrail.scenes.contacts.solve import ReportProgress, solve_sides
 from wheelrail.scenes.datasets.input_files import scene_of_run
-from wheelrail.scenes.datasets.number_text import significant
-from wheelrail.scenes.datasets.run_file import read_run
-from wheelrail.scenes.datasets.run_schema import is_of_wagon
+from wheelrail.scenes.datasets.run_file import is_of_wagon, read_run
+from wheelrail.scenes.quantity import significant
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
