@@ -63,8 +63,8 @@ TABLES = {
     "run": ["contacts"],
     "compare": ["channels"],
     "modes": ["modes"],
-    "curving": ["curving"],
-    "equilibrium": ["wheelsets", "bodies"],
+    "curving": ["wheelsets", "bodies", "elements"],
+    "equilibrium": ["wheelsets", "bodies", "elements"],
     "hunting": ["cycles"],
     "evaluate": ["wheelsets"],
     "study": ["cases", "errors", "order", "orders"],
@@ -154,9 +154,10 @@ def test_results_as_json(command: str, folder: Path) -> None:
 
 def test_values_are_those_of_the_table_in_si_units(folder: Path) -> None:
     report = json.loads(invoke("curving", folder, "--json").stdout)
-    (first, second), units = report["curving"], report["units"]
+    (first, second), units = report["wheelsets"], report["units"]
     assert (units["wheel_load"], units["cant_deficiency"], units["yaw_reaction"]) == ("N", "m", "N m")
     assert second["speed"] == 45.0
+    assert {row["speed"] for row in report["elements"]} == {20.0, 45.0}
     assert first["cant_deficiency"] == pytest.approx(-9.0e-3, abs=1e-4)
     assert second["wheel_load"]["left"] == pytest.approx(36.58e3, abs=5.0)
     assert "36.58  73.18" in invoke("curving", folder).stdout  # the option holds for one call

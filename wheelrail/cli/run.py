@@ -133,21 +133,17 @@ def modes(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None) -
 def curving(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None) -> None:
     """Steady-state curving in the sharpest curve of a run: wheel loads, Y/Q, displacements, contact positions.
 
-    Of the plane wagon of the scene, or of all wheelsets of a vehicle file.
+    Of the plane wagon of the scene, or of a vehicle file.
     """
     checked = load_run(scene)
     from wheelrail.scenes.datasets.result_table import Results
-    from wheelrail.scenes.runs.steady import bodies_table, curve_of, curving_table, equilibria_of, wheelsets_table
+    from wheelrail.scenes.runs.steady import curve_of, equilibria_of, equilibrium_tables
 
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
         curve = curve_of(checked)
         states = equilibria_of(checked, vehicle, speeds, curve)
-        if vehicle is None:
-            tables = [curving_table(states, curve)]
-        else:
-            tables = [table for at in states for table in (wheelsets_table(at, curve), bodies_table(at))]
-    print_results(Results("curving", tables))
+    print_results(Results("curving", [table for at in states for table in equilibrium_tables(at, curve)]))
 
 
 @app.command()
@@ -155,13 +151,12 @@ def equilibrium(scene: SceneFile, vehicle: NeededVehicleFile, speed: Speeds = No
     """Equilibrium of a vehicle in three dimensions on straight track: wheel loads, attitude of all bodies."""
     checked = load_run(scene)
     from wheelrail.scenes.datasets.result_table import Results
-    from wheelrail.scenes.runs.steady import bodies_table, equilibria_of, wheelsets_table
+    from wheelrail.scenes.runs.steady import equilibria_of, equilibrium_tables
 
     speeds = speed or [checked.vehicle.first_speed]
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
         states = equilibria_of(checked, vehicle, speeds)
-    tables = [table for at in states for table in (wheelsets_table(at), bodies_table(at))]
-    print_results(Results("equilibrium", tables))
+    print_results(Results("equilibrium", [table for at in states for table in equilibrium_tables(at)]))
 
 
 @app.command()

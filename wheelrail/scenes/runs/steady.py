@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.scenes.builders.vehicle import applied_loads, vehicle_on
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
+from wheelrail.scenes.quantities import RUN
 from wheelrail.scenes.quantity import significant
 from wheelrail.scenes.schema.errors import RunFailed
 from wheelrail.scenes.schema.scene import RunScene
@@ -146,105 +148,48 @@ _MODE = (
 )
 
 
-class _Curving(NamedTuple):
-    """Steady position of the plane wagon in a curve.
+class _Wheelset(NamedTuple):
+    """A wheelset in equilibrium.
 
     Parameters:
-        curve: curve and speed.
-        forces: of the wheels.
-        position: m and rad by body and coordinate, as "car_body_y".
-        elements: lateral deflection m of each suspension element, and its force N on the upper body.
-        yaw_reaction: N m.
+        name: of the wheelset.
+        forces: of its wheels.
+        static: mean wheel load of the vehicle at rest, N.
+        yaw_reaction: N m; None for a wheelset that yaws.
     """
-
-    curve: ConstantCurve
-    forces: WheelsetForces
-    position: dict[str, float]
-    elements: dict[str, tuple[float, float]]
-    yaw_reaction: float
-
-
-def curving_table(states: Sequence[Equilibrium], curve: ConstantCurve) -> ResultTable:
-    """Table of the plane wagon with one column per speed; curve: that of the states, at any speed."""
-    from wheelrail.vehicle.multibody.coordinates import Y
-    from wheelrail.vehicle.multibody.equations import wheelset_wrenches
-    from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
-
-    rows = []
-    for at in states:
-        d, travel = at.dynamics, at.dynamics.speed_profile(at.time)
-        (forces,) = wheelset_forces(d, at.state, at.contacts, at.time).values()
-        lateral = np.stack(d.bodies.element_states([travel], at.state[None]))[:, 0, :, Y].T.tolist()
-        rows.append(
-            _Curving(
-                replace(curve, speed=travel.speed),
-                forces,
-                dict(zip(d.coordinates.names, at.state.tolist(), strict=False)),
-                {name: (m, n) for name, (m, n) in zip(d.vehicle.elements, lateral, strict=True)},
-                d.yaw_reactions(at.time, at.state, wheelset_wrenches(at.contacts)).item(),
-            )
-        )
-    title = f"Steady-state curving: curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
-    return ResultTable("curving", title, _CURVING, rows, across=True)
-
-
-def _unloading(row: _Curving) -> float:
-    """Relative reduction of the load of the lighter wheel."""
-    loads = [wheel.vertical for wheel in row.forces.wheels.values()]
-    return 1.0 - 2.0 * min(loads) / sum(loads)
-
-
-def _secondary(row: _Curving) -> float:
-    """Lateral deflection of the secondary springs, mean of both sides, m."""
-    return 0.5 * (row.elements["left_secondary_spring"][0] + row.elements["right_secondary_spring"][0])
-
-
-def _positions(side: Side) -> Callable[[_Curving], list[list[float]]]:
-    return lambda row: [[patch.wheel_s, patch.rail_s] for patch in row.forces.wheels[side].patches]
-
-
-class _Wheelset(NamedTuple):
-    """Name and forces of a wheelset."""
 
     name: str
     forces: WheelsetForces
+    static: float
+    yaw_reaction: float | None
 
 
-def _wheels(value: Callable[[WheelForces], float]) -> Callable[[_Wheelset | _Curving], dict[Side, float]]:
+def _column(name: str, of: Callable[[Any], Any], key: str = "") -> Column:
+    """Column of a quantity of runs; key: in JSON, its name by default."""
+    own = RUN[name]
+    return Column(key or name, own.name, of, own.shown, own.digits)
+
+
+def _wheels(value: Callable[[WheelForces], float]) -> Callable[[_Wheelset], dict[Side, float]]:
     return lambda row: {side: value(wheel) for side, wheel in row.forces.wheels.items()}
 
 
-_FORCES = (
-    Column("wheel_load", "wheel load Q, left, right", _wheels(lambda wheel: wheel.vertical), "kN", 2),
-    Column("guiding_force", "guiding force Y, positive outwards", _wheels(lambda wheel: wheel.guiding), "kN", 2),
-    Column("derailment_quotient", "derailment quotient Y/Q", _wheels(lambda w: w.derailment_quotient), "1", 3),
-)
-_CURVING = (
-    Column("speed", "speed", lambda s: s.curve.speed, "m/s"),
-    Column("curvature", "", lambda s: s.curve.curvature, "1/m"),
-    Column("cant", "", lambda s: s.curve.cant, "m"),
-    Column("cant_deficiency", "cant deficiency", lambda s: s.curve.deficiency(), "mm", 1),
-    *_FORCES,
-    Column("lateral_force", "lateral force on the wheelset", lambda s: s.forces.track_shifting, "kN", 2),
-    Column("unloading", "wheel unloading", _unloading, "%", 1),
-    Column("secondary_deflection", "secondary deflection", _secondary, "mm", 1),
-    Column("bumpstop_force", "bumpstop force", lambda s: s.elements["bumpstop"][1] + 0.0, "kN", 2),  # never -0
-    Column("car_body_y", "car body: y", lambda s: s.position["car_body_y"], "mm", 1),
-    Column("car_body_roll", "car body: roll", lambda s: s.position["car_body_roll"], "mrad", 2),
-    Column("wheelset_y", "wheelset: y", lambda s: s.position["wheelset_y"], "mm", 2),
-    Column("wheelset_roll", "wheelset: roll", lambda s: s.position["wheelset_roll"], "mrad", 3),
-    Column("yaw_reaction", "yaw reaction", lambda s: s.yaw_reaction, "kN m", 2),
-    Column("left_positions", "left: position on wheel, on rail", _positions("left"), "mm", 1),
-    Column("right_positions", "right: position on wheel, on rail", _positions("right"), "mm", 1),
-)
+def _positions(side: Side) -> Callable[[_Wheelset], list[list[float]]]:
+    return lambda row: [[patch.wheel_s, patch.rail_s] for patch in row.forces.wheels[side].patches]
+
+
 _WHEELSET = (
     Column("wheelset", "wheelset", lambda row: row.name),
-    Column("y", "lateral displacement y", lambda row: row.forces.y, "mm", 3),
-    Column("yaw", "yaw", lambda row: row.forces.yaw, "mrad", 3),
-    *_FORCES,
-    Column("track_shifting_force", "sum of Y, positive to the right", lambda r: r.forces.track_shifting, "kN", 2),
-    Column("longitudinal_force", "longitudinal force on the wheel", _wheels(lambda w: w.longitudinal), "kN", 2),
-    Column("wear_number", "wear number T gamma", _wheels(lambda wheel: wheel.wear_number), "N", 1),
+    _column("body_y", lambda row: row.forces.y, "y"),
+    _column("body_yaw", lambda row: row.forces.yaw, "yaw"),
+    _column("vertical_force", _wheels(lambda wheel: wheel.vertical), "wheel_load"),
+    _column("guiding_force", _wheels(lambda wheel: wheel.guiding)),
+    _column("derailment_quotient", _wheels(lambda wheel: wheel.derailment_quotient)),
+    _column("wheel_unloading", lambda row: _wheels(lambda wheel: 1.0 - wheel.vertical / row.static)(row)),
+    _column("track_shifting_force", lambda row: row.forces.track_shifting),
+    _column("longitudinal_force", _wheels(lambda wheel: wheel.longitudinal)),
+    _column("t_gamma", _wheels(lambda wheel: wheel.wear_number), "wear_number"),
+    *(Column(f"{side}_positions", f"{side}: position on wheel, on rail", _positions(side), "mm", 1) for side in SIDES),
 )
 
 
@@ -304,19 +249,51 @@ def _critical_speed(
     ]
 
 
-def wheelsets_table(at: Equilibrium, curve: ConstantCurve | None = None) -> ResultTable:
-    """Table of attitude and forces with one column per wheelset; curve for its title."""
+def equilibrium_tables(at: Equilibrium, curve: ConstantCurve | None = None) -> list[ResultTable]:
+    """Tables of wheelsets, of bodies and of suspension elements; curve: None on straight track."""
+    return [_wheelsets_table(at, curve), _bodies_table(at), _elements_table(at)]
+
+
+def _wheelsets_table(at: Equilibrium, curve: ConstantCurve | None) -> ResultTable:
+    from wheelrail.vehicle.multibody.coordinates import YAW
+    from wheelrail.vehicle.multibody.equations import wheelset_wrenches
     from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
 
-    speed = at.dynamics.speed_profile(0.0).speed
-    where = "straight track" if curve is None else f"curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
-    rows = [_Wheelset(*own) for own in wheelset_forces(at.dynamics, at.state, at.contacts).items()]
-    columns = [*_WHEELSET, Column("speed", "", lambda row: speed, "m/s")]
-    return ResultTable("wheelsets", f"Wheelsets at {speed:g} m/s: {where}", columns, rows, across=True)
+    d, speed = at.dynamics, at.dynamics.speed_profile(at.time).speed
+    columns, where, reactions = [*_WHEELSET, Column("speed", "", lambda row: speed, "m/s")], "straight track", None
+    if d.coordinates.held[d.coordinates.wheelset_bodies, YAW].all():
+        reactions = d.yaw_reactions(at.time, at.state, wheelset_wrenches(at.contacts)).tolist()
+        columns.append(_column("yaw_reaction", lambda row: row.yaw_reaction))
+    if curve is not None:
+        curve = replace(curve, speed=speed)
+        where = f"curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
+        columns += [
+            Column("curvature", "", lambda row: curve.curvature, "1/m"),
+            Column("cant", "", lambda row: curve.cant, "m"),
+            Column("cant_deficiency", "cant deficiency", lambda row: curve.deficiency(), "mm", 1),
+        ]
+    rows = [
+        _Wheelset(name, forces, d.vehicle.mean_wheel_load, reactions and reactions[k])
+        for k, (name, forces) in enumerate(wheelset_forces(d, at.state, at.contacts, at.time).items())
+    ]
+    return ResultTable(
+        "wheelsets", f"Wheelsets at {speed:g} m/s, wheels left and right: {where}", columns, rows, across=True
+    )
 
 
-def bodies_table(at: Equilibrium) -> ResultTable:
-    """Table of the positions of all bodies."""
+def _elements_table(at: Equilibrium) -> ResultTable:
+    d, travel = at.dynamics, at.dynamics.speed_profile(at.time)
+    states = np.stack(d.bodies.element_states([travel], at.state[None]))[:, 0].tolist()
+    columns = [
+        Column("speed", "", lambda row: travel.speed, "m/s"),
+        Column("element", "element", itemgetter(0)),
+        *(_column(f"element_{name}", itemgetter(k), name) for k, name in ((1, "deflection"), (2, "force"))),
+    ]
+    title = "Suspension elements: x, y, z in their axes, force on the upper body with its static load"
+    return ResultTable("elements", title, columns, list(zip(d.vehicle.elements, *states, strict=True)))
+
+
+def _bodies_table(at: Equilibrium) -> ResultTable:
     from wheelrail.vehicle.multibody.vehicle import COORDINATES
 
     speed = at.dynamics.speed_profile(0.0).speed
@@ -327,6 +304,6 @@ def bodies_table(at: Equilibrium) -> ResultTable:
         rows.append({"speed": speed, "body": name, **dict(zip(COORDINATES, q, strict=True)), **pitch})
     columns = [Column("speed", "", itemgetter("speed"), "m/s"), Column("body", "body", itemgetter("body"))]
     for name in COORDINATES:
-        columns.append(Column(name, name, itemgetter(name), "mm" if name in "xyz" else "mrad"))
+        columns.append(Column(name, RUN[f"body_{name}"].label, itemgetter(name), RUN[f"body_{name}"].shown))
     title = "Positions from the nominal ones, each in the track frame at its own distance"
     return ResultTable("bodies", title, columns, rows)
