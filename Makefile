@@ -17,6 +17,9 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
 DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
 
+# Files in their order: by default those of few tests are last, and some of them take a minute.
+SHARED = -n $(JOBS) --dist loadfile --no-loadscope-reorder
+
 .PHONY: run core builds sanitized test lint sanitize suite notebooks docs test-debian test-kernels clean
 
 run: core
@@ -62,8 +65,8 @@ sanitize: $(VENV)/ready-to-test
 
 suite: $(VENV)/ready-to-test
 	@$(MAKE) core
-	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN)
-	$(PY) -m pytest -n $(JOBS) --dist loadfile --max-worker-restart 0 $(DRAWN:%=--ignore=%)
+	$(PY) -m pytest $(SHARED) --max-worker-restart 0 $(DRAWN)
+	$(PY) -m pytest $(SHARED) --max-worker-restart 0 $(DRAWN:%=--ignore=%)
 
 # Pairs of files: what is saved in JupyterLab goes to the text files, too.
 notebooks: $(VENV)/ready-for-notebooks
@@ -74,7 +77,7 @@ notebooks: $(VENV)/ready-for-notebooks
 # The same on an old processor: OpenBLAS's first kernels, and the core without later instructions.
 test-kernels: $(VENV)/ready-to-test
 	@$(MAKE) builds
-	OPENBLAS_CORETYPE=Prescott WHEELRAIL_CORE=$(CURDIR)/wheelrail/bindings/baseline $(PY) -m pytest -n $(JOBS) --dist loadfile tests/contact tests/vehicle
+	OPENBLAS_CORETYPE=Prescott WHEELRAIL_CORE=$(CURDIR)/wheelrail/bindings/baseline $(PY) -m pytest $(SHARED) tests/contact tests/vehicle
 
 docs: $(VENV)/ready-to-test
 	@$(MAKE) core
