@@ -23,7 +23,7 @@ from wheelrail.scenes.schema.profiles import ProfilesTable
 from wheelrail.scenes.schema.scene import WheelsetScene
 from wheelrail.scenes.schema.tables import TrackTable
 from wheelrail.scenes.schema.tables import WheelsetTable as Position
-from wheelrail.scenes.schema.wheelset_defaults import INCLINED, LOAD, LOADS, SURFACE_SIZE, UPRIGHT, WITHOUT_ELEMENTS
+from wheelrail.scenes.schema.wheelset_defaults import LOADS, PROFILES, SCENE, TRACK, WHEELSET, inclination
 
 if TYPE_CHECKING:
     from wheelrail.api.elements.wheelset_element import WheelsetElement
@@ -75,25 +75,23 @@ class Wheelset:
 
     def __init__(
         self,
-        wheel: str | Path | Profile = "S1002",
-        rail: str | Path | Profile = "UIC60",
+        wheel: str | Path | Profile = PROFILES["wheel"],
+        rail: str | Path | Profile = PROFILES["rail"],
         *,
-        friction: float | FrictionLaw = 0.3,
-        E: float = 2.1e11,
-        nu: float = 0.3,
+        friction: float | FrictionLaw = SCENE["friction"],
+        E: float = SCENE["E"],
+        nu: float = SCENE["nu"],
         surface_size: float | None = None,
         laying_angle: float | None = None,
-        gauge: float = 1.435,
-        gauge_height: float = 0.014,
-        flange_back_distance: float = 1.360,
-        flange_back: float = -0.070,
-        radius: float = 0.46,
-        curvature: float = 0.0,
+        gauge: float = TRACK["gauge"],
+        gauge_height: float = TRACK["gauge_height"],
+        flange_back_distance: float = WHEELSET["flange_back_distance"],
+        flange_back: float = WHEELSET["flange_back"],
+        radius: float = WHEELSET["radius"],
+        curvature: float = TRACK["curvature"],
         **more: Any,
     ) -> None:
         check_keys("Wheelset", more, ALLOWED)
-        if surface_size is None and more.get("model") not in WITHOUT_ELEMENTS:
-            surface_size = SURFACE_SIZE
         if laying_angle is None:
             laying_angle = _inclination(rail)
             for side in more.keys() & {"left", "right"}:
@@ -116,8 +114,7 @@ class Wheelset:
             "curvature": curvature,
             **names,
         }
-        loaded = more.keys() & set(GROUPS[0])
-        self._scene({} if loaded else {"wheel_load": LOAD})
+        self._scene({})
 
     def solve(
         self,
@@ -235,7 +232,7 @@ class Wheelset:
         return wheelset_contact(self._scene(PLACED), self.side_profiles)
 
     def _scene(self, arguments: Mapping[str, Any]) -> WheelsetScene:
-        keys = {"y": 0.0, "yaw": 0.0, **replaced(self.arguments, arguments, GROUPS)}
+        keys = replaced(self.arguments, arguments, GROUPS)
         scene = scene_of("Wheelset", "wheelset", keys, SECTIONS, self._given)
         assert isinstance(scene, WheelsetScene)
         return scene
@@ -248,5 +245,5 @@ class Wheelset:
 def _inclination(rail: str | Path | Profile) -> float:
     """Default inclination rad of a rail: that of tracks for a standard profile that is not inclined yet."""
     if isinstance(rail, Profile):
-        return INCLINED if rail.name in UPRIGHT and rail.placement.angle == 0.0 else 0.0
-    return INCLINED if str(rail) in UPRIGHT else 0.0
+        return inclination(rail.name) if rail.placement.angle == 0.0 else 0.0
+    return inclination(str(rail))

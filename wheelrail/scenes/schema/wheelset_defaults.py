@@ -22,9 +22,10 @@ def with_defaults(data: Mapping[str, Any]) -> dict[str, Any]:
     scene = {**SCENE, **data}
     if scene.get("model") not in WITHOUT_ELEMENTS:
         scene.setdefault("surface_size", SURFACE_SIZE)
-    for name, complete in (("profiles", _profiles), ("track", _track)):
-        if isinstance(table := scene.get(name, {}), Mapping):
-            scene[name] = complete(table)
+    if isinstance(table := scene.get("profiles", {}), Mapping):
+        scene["profiles"] = _profiles(table)
+    if isinstance(table := scene.get("track", {}), Mapping):
+        scene["track"] = {**TRACK, **table}
     if isinstance(table := scene.get("wheelset", {}), Mapping):
         scene["wheelset"] = _wheelset(table, frictional=_frictional(scene), flexible=_is_flexible(scene))
     return scene
@@ -57,10 +58,6 @@ def _frictional(scene: Mapping[str, Any]) -> bool:
     sides = [profiles.get(side) for side in ("left", "right")]
     own = [side["friction"] for side in sides if isinstance(side, Mapping) and "friction" in side]
     return any(friction != 0.0 for friction in (scene["friction"], *own))
-
-
-def _track(table: Mapping[str, Any]) -> Mapping[str, Any]:
-    return {**TRACK, **table}
 
 
 def _wheelset(table: Mapping[str, Any], *, frictional: bool, flexible: bool) -> Mapping[str, Any]:
