@@ -202,8 +202,8 @@ def test_run_page_contents(run_page: str) -> None:
     rows = {row[0]: row[1:] for row in page.rows}
     assert rows["steps rejected"] == ["2"]
     assert rows["contact problems solved"] == ["300", "301"]
-    assert rows["lateral force Y, largest magnitude [kN]"] == ["0", "0.0", "-20", "90.0"]
-    assert rows["vertical force Q, minimum [kN]"][:2] == ["37", "90.0"]
+    assert rows["lateral force Y, positive to the left, largest magnitude [kN]"] == ["0", "0.0", "-20", "90.0"]
+    assert rows["vertical force Q, positive upwards, minimum [kN]"][:2] == ["37", "90.0"]
 
 
 def test_page_is_self_contained_and_accessible(run_page: str) -> None:
@@ -225,14 +225,13 @@ def test_extremes_are_those_of_the_data() -> None:
     for row in wheel_table(data, "").rows[:4]:
         assert len(row) == 5
     one = data.sel(side="right")
-    quotient = np.abs(one["lateral_force"].values / one["vertical_force"].values)
+    quotient = one["lateral_force"].values / one["vertical_force"].values  # to the left is outwards on the right
     cells = dict(zip([row[0] for row in wheel_table(data, "").rows], wheel_table(data, "").rows, strict=True))
-    assert float(cells["|Y| / Q, maximum [1]"][3]) == pytest.approx(quotient.max(), rel=1e-3)
+    assert float(cells["derailment quotient Y/Q, maximum [1]"][3]) == pytest.approx(quotient.max(), rel=1e-3)
     assert float(cells["samples without contact [%]"][1]) == pytest.approx(100 / 40)
     unknown = data.assign(lateral_force=np.nan * data["lateral_force"])
-    row = ("", "lateral_force", lambda d: d["lateral_force"].values, "largest")
-    assert extreme(unknown.sel(side="left"), row) == ("–", "–")
-    assert extreme(data.sel(side="right"), row)[0] == "-2e+04"
+    assert extreme(unknown.sel(side="left"), "lateral_force", "largest") == ("–", "–")
+    assert extreme(data.sel(side="right"), "lateral_force", "largest")[0] == "-20"  # kN
 
 
 def test_view_shows_the_largest_lateral_force() -> None:
