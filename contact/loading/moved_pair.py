@@ -14,11 +14,10 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
+from wheelrail.contact.kinematics.frames import MIRROR, Pose, RigidMotion, Twist
 from wheelrail.contact.kinematics.sensitivity import skew
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.loading.rotated_tangent import RotatedTangent
-from wheelrail.contact.results.result import ContactResult, LazyPatches, Patch
+from wheelrail.contact.results.result import ContactResult, ForceTangent, LazyPatches, Patch
 from wheelrail.support.arrays import Array
 
 COORDINATES = len(WheelsetState.coordinates)  # of the wheelset, the first columns of all slopes
@@ -26,6 +25,31 @@ HUB = slice(COORDINATES, COORDINATES + 6)
 RAIL = slice(COORDINATES + 6, COORDINATES + 9)
 SLOPES = COORDINATES + 9  # columns: wheelset, hub, rail
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class RotatedTangent(ForceTangent):
+    """Derivative of a force and its moment, both and the changes of pose and motion in rotated axes.
+
+    Parameters:
+        tangent: in the axes of the body.
+        axes: of the body as columns (3, 3).
+    """
+
+    tangent: ForceTangent
+    axes: Array
+
+    def __call__(self) -> Array:
+        rotated = np.kron(np.eye(4), self.axes)
+        return np.asarray(rotated[:6, :6] @ self.tangent() @ rotated.T)
+
+    def about(self, centre: Array) -> RotatedTangent:
+        """The derivative with the moment about another point (3,) m, in the rotated axes."""
+        return replace(self, tangent=self.tangent.about(self.axes.T @ centre))
+
+    def mirrored(self) -> RotatedTangent:
+        """The derivative in the mirror y = 0."""
+        return RotatedTangent(self.tangent.mirrored(), MIRROR[:, None] * self.axes * MIRROR)
 
 
 def rotation(vector: Array) -> Array:

@@ -17,7 +17,6 @@ from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.creepage import NotRolling, creepage, shift
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.models.grid_displacement import body_displacements
 from wheelrail.contact.results.result import ContactResult, Statistics
 from wheelrail.contact.results.resultants import FrictionalWork, assemble_result, connected
 from wheelrail.contact.results.touching_material import symmetric
@@ -25,6 +24,23 @@ from wheelrail.contact.solvers.options import IterationCount, NewtonOptions, Not
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions, solve_tractions
 from wheelrail.support.arrays import Array, Nodes
+
+
+def body_displacements(points: GridPoints, loads: Array, bodies: tuple[Compliance, Compliance]) -> BodyDisplacements:
+    """Displacements B C B^T f of wheel and rail at n contact points.
+
+    Parameters:
+        points: of contact.
+        loads: (n, 3) N on the wheel, in the points' axes.
+        bodies: compliance of wheel and rail on their grids.
+    """
+    displacements = []
+    for operators, body, sign in zip(pair_operators(points, 0, tangential=True), bodies, (1.0, -1.0), strict=True):
+        forces = operators.displacement.T @ (sign * loads.T.ravel())
+        response = body.block(operators.nodes, operators.directions) @ forces
+        displacements.append((operators.displacement @ response).reshape(3, -1))
+    wheel, rail = displacements
+    return BodyDisplacements(wheel[1], rail[1], wheel[2])
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from wheelrail.bindings._contact import (
     LatticeStart,
     LatticeTables,
     LevelModel,
+    ResidualCode,
     StripBasis,
     SurfaceData,
 )
@@ -29,7 +30,6 @@ from wheelrail.contact.models.lattice.influence.basis import Tangential, equal_c
 from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
 from wheelrail.contact.models.lattice.resolution import LatticeResolution, strips_apart
 from wheelrail.contact.models.lattice.results import contact_result
-from wheelrail.contact.models.lattice.system.friction import residual_code
 from wheelrail.contact.models.lattice.system.surface import motion_data, surface_data
 from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult
@@ -53,6 +53,19 @@ FINER, MOST_CELLS, NARROWER = (
 )  # cells along a strip, in search of a pressure without tension: more, at most so many, and halvings of its width
 GAP = 3e-4  # m, largest gap that displacements may close on ordinary strips
 SAMPLES = 400  # of the rail's profile
+
+
+def _residual_code(laws: ContactLaws) -> ResidualCode:
+    """Residual F (2, n) Pa of the law of friction in the cells, and its slopes, for the core.
+
+    F is the mean of q - b y / max(|y|, b rho + eps), y = rho q - s, b = mu(|s| V, p) p, over a pressure p that varies
+    linearly in the cell (`wheelrail.forms.traction.mean_projected`). Slips s are over the rolling speed V. Pressures of
+    a trial state may be negative: their bound is zero.
+    """
+    if not laws.frictional:
+        return ResidualCode(None, np.zeros(0), 0.0)
+    functions = laws.pointwise_friction
+    return ResidualCode(functions.code, functions.parameters, laws.regularisation)
 
 
 @dataclass(frozen=True)
@@ -172,7 +185,7 @@ class LatticeContact:
 
     @cached_property
     def _setting(self) -> LatticeSetting:
-        law = residual_code(self.laws)  # which may lack a compiler, before the bodies' compliance takes its time
+        law = _residual_code(self.laws)  # which may lack a compiler, before the bodies' compliance takes its time
         lines, outline = None, np.zeros((2, 0))
         if isinstance(surfaces := self.operators.surfaces, ProfileStrips):
             lines, outline = surfaces.rigid.lines, rail_outline(surfaces)

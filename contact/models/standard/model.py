@@ -28,13 +28,14 @@ from wheelrail.bindings._contact import (
     strip_forces,
     virtual_penetration,
 )
+from wheelrail.contact.analytical.hertz import modulus
+from wheelrail.contact.analytical.kalker import RATIO, Name, kalker
 from wheelrail.contact.geometry.rigid_surfaces import RigidPair, RigidWheelRail
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.left_pair import motion_of, pose_of, velocities_of
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.laws.pointwise import FrictionFunctions
-from wheelrail.contact.models.standard.creep_coefficients import pair_elasticity
 from wheelrail.contact.models.standard.patches import StripContacts
 from wheelrail.contact.models.standard.wheel_rail import SolvedWheels
 from wheelrail.contact.results.result import ContactResult, Fields, LazyFields, LazyPatches, Patch, Statistics
@@ -43,6 +44,19 @@ from wheelrail.support.arrays import Array
 Normal = Literal["hertz", "kik-piotrowski"]
 Tangential = Literal["fastsim", "polach"]
 CELLS = 16  # along each strip
+
+
+NAMES: tuple[Name, ...] = ("C11", "C22", "C23")
+
+
+def pair_elasticity(upper: Material, lower: Material) -> PairElasticity:
+    """Combined constants: 1/G and nu/G are means over both bodies. Raises ValueError for a mean Poisson's ratio
+    below 0.
+    """
+    compliance = [2.0 * (1.0 + material.nu) / material.E for material in (upper, lower)]
+    nu = (compliance[0] * upper.nu + compliance[1] * lower.nu) / (compliance[0] + compliance[1])
+    rows = [[[kalker(name, ratio, nu) for name in NAMES] for ratio in ratios] for ratios in (RATIO, 1.0 / RATIO)]
+    return PairElasticity(modulus((upper.E, upper.nu), (lower.E, lower.nu)), 2.0 / sum(compliance), np.array(rows))
 
 
 @dataclass(frozen=True)

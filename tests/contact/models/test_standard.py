@@ -30,8 +30,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
 from wheelrail.contact.loading.load_search import find_depth_for_load
 from wheelrail.contact.loading.wheelset import wheel_under_load
-from wheelrail.contact.models.standard.creep_coefficients import pair_elasticity
-from wheelrail.contact.models.standard.model import StandardContact
+from wheelrail.contact.models.standard.model import StandardContact, pair_elasticity
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.meshes.profiles.named import named_profile

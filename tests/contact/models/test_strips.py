@@ -22,8 +22,7 @@ from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose, hertz_under_load
 from wheelrail.contact.models.builders import hertz_pair, wheel_rail_pair
 from wheelrail.contact.models.discretisation import Bodies, Discretisation
-from wheelrail.contact.models.lattice.influence.basis import rolling_marks
-from wheelrail.contact.models.lattice.influence.slip_difference import upstream
+from wheelrail.contact.models.lattice.influence.basis import rolling_marks, upstream
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.contact.models.wheelset import WheelsetContact

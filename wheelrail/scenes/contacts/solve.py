@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -18,7 +18,6 @@ from wheelrail.scenes.builders.wheelset import (
     wheelset_contact,
     wheelset_state,
 )
-from wheelrail.scenes.contacts.error_estimate import coarse_models, estimated
 from wheelrail.scenes.contacts.side_solution import SideSolution, StructuralMotion
 from wheelrail.scenes.contacts.solution import solution_dataset
 from wheelrail.scenes.contacts.stress import subsurface_stress
@@ -37,6 +36,35 @@ if TYPE_CHECKING:
 ReportProgress = Callable[[str], None]
 
 START = 0.02  # of the load: error of the equilibrium of rigid hubs and rails from which those of flexible ones start
+
+
+if TYPE_CHECKING:
+    from wheelrail.contact.models.wheelset import ContactModel
+    from wheelrail.contact.results.result import ContactResult
+
+
+def coarse_models(model: ContactModel) -> Sequence[ContactModel]:
+    """The models on lattices of half as many strips and cells."""
+    from wheelrail.contact.models.lattice.model import LatticeContact
+
+    assert isinstance(model, LatticeContact)
+    return model.coarse
+
+
+def estimated(result: ContactResult, coarse_solves: Sequence[Callable[[], ContactResult]]) -> ContactResult:
+    """The result with an error estimate, computed at the final position only and not at every trial depth.
+
+    Parameters:
+        result: on all strips and cells.
+        coarse_solves: solve the same contact on half as many; if one fails, the errors are unknown (NaN).
+    """
+    from wheelrail.contact.results.extrapolation import estimate
+
+    if not result.patches:
+        return result
+    with deferred_interrupts():
+        coarse = [solve() for solve in coarse_solves]
+    return replace(result, error_estimate=estimate(result, coarse))
 
 
 def solve_contact(

@@ -14,11 +14,21 @@ import numpy as np
 from scipy.special import roots_legendre
 
 from wheelrail.bindings._contact import MODES, MOMENTS, PARTS, STATIONS, StripBasis
-from wheelrail.contact.models.lattice.influence.slip_difference import AHEAD, upstream
 from wheelrail.support.arrays import Array
 
 ORDER = 16  # of the Gauss rules below
 LEADING = 0.35  # fraction of the cells' grading towards the leading end alone
+
+
+AHEAD = 2  # cells in front of a strip, of the length of its first, in the upstream difference of the slip
+
+
+def upstream(x: Array) -> tuple[Array, Array, Array]:
+    """Weights (S, M) of u at the cell itself and the next two upstream in -du/dx there, second order, for means at
+    places x (S, M + 2) m.
+    """
+    near, far = x[:, 1:-1] - x[:, :-2], x[:, 2:] - x[:, :-2]
+    return (near + far) / (near * far), -far / (near * (far - near)), near / (far * (far - near))
 
 
 Tangential = Literal["none", "rolling", "shift"]  # problem: none, steady rolling, one step of displacement from none
