@@ -49,10 +49,10 @@ def assert_close(result: ContactResult, expected: Hertz) -> None:
     np.testing.assert_allclose(patch.semi_axes, expected.semi_axes, rtol=0.03)
 
 
+# Without a penalty contacts under all loads are the same but for their scale.
 @pytest.mark.parametrize("across", [10.2, 10.8])
-@pytest.mark.parametrize("load", [10e3, 30e3, 60e3])
 @pytest.mark.parametrize("radii", [SPHERE, ELLIPSOID], ids=["circular", "elliptic"])
-@pytest.mark.parametrize("laws", [EXACT, PAPER], ids=["exact", "paper"])
+@pytest.mark.parametrize(("laws", "load"), [(EXACT, 60e3), (PAPER, 10e3), (PAPER, 60e3)])
 def test_peak_pressure_and_semi_axes(laws: ContactLaws, radii: tuple[float, float], load: float, across: float) -> None:
     # The penalty alone costs -2.3 % of the peak at 10 kN and -1.3 % at 60 kN (see below); these meshes' own errors
     # have the other sign, +0.4 to +0.6 %.
@@ -60,7 +60,7 @@ def test_peak_pressure_and_semi_axes(laws: ContactLaws, radii: tuple[float, floa
 
 
 @pytest.mark.parametrize("radii", [SPHERE, ELLIPSOID], ids=["circular", "elliptic"])
-@pytest.mark.parametrize(("load", "laws"), [(10e3, EXACT), (60e3, EXACT), (30e3, PAPER), (60e3, PAPER)])
+@pytest.mark.parametrize(("load", "laws"), [(60e3, EXACT), (30e3, PAPER), (60e3, PAPER)])
 def test_hexahedra(load: float, laws: ContactLaws, radii: tuple[float, float]) -> None:
     result, expected = loaded(FINE["hexahedron"], radii, load, laws, 10.8)
     assert_close(result, expected)
