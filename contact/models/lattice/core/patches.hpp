@@ -29,18 +29,35 @@ inline double highest_pressure(Numbers modes) {
     return highest;
 }
 
-// Largest pressure Pa over adjacent strips: a parabola, as in an ellipse, through the squares of the largest values
-// (n,) Pa of the three strips with middles (n,) m at the largest of all.
-//
-// Over patches of 3 strips this errs by up to 9 %, of 4 by 2 to 5 %, from 5 on by 0.6 %.
+// Largest pressure Pa over adjacent strips: of cubics between the squares of the largest values (n,) Pa of the strips
+// with middles (n,) m whose slopes are those of parabolas through three of them: an ellipse is one parabola. The
+// largest value of a curve with continuous slopes changes continuously, that of the parabola at the largest strip jumps
+// to another parabola. Beyond the lesser one of two strips a third has no pressure, as one that begins to touch.
 inline double peak_across(Numbers highest, Numbers middle) {
-    long k = std::max_element(highest.begin(), highest.end()) - highest.begin();
-    if (k == 0 || k == highest.size() - 1) return highest(k);
-    auto square = [&](long i) { return highest(i) * highest(i); };
-    double before = middle(k) - middle(k - 1), after = middle(k + 1) - middle(k), c = square(k);
-    double fall = (c - square(k - 1)) / before, rise = (square(k + 1) - c) / after;
-    double a = (rise - fall) / (before + after), b = (fall * after + rise * before) / (before + after);
-    return a < 0.0 ? std::sqrt(c - b * b / (4.0 * a)) : highest(k);
+    long n = highest.size(), k = std::max_element(highest.begin(), highest.end()) - highest.begin();
+    if (n == 1) return highest(k);
+    std::vector<double> at(middle.begin(), middle.end()), square;
+    for (double p : highest) square.push_back(p * p);
+    if (n == 2) {
+        at.insert(k ? at.begin() : at.end(), k ? 2.0 * at[0] - at[1] : 2.0 * at[1] - at[0]);
+        square.insert(k ? square.begin() : square.end(), 0.0);
+        k = k ? 2 : 0, n = 3;
+    }
+    auto secant = [&](long i) { return (square[i + 1] - square[i]) / (at[i + 1] - at[i]); };
+    auto slope = [&](long i) {  // at i of the parabola through the three next to it
+        long j = std::clamp(i, 1L, n - 2);
+        double bend = (secant(j) - secant(j - 1)) / (at[j + 1] - at[j - 1]);
+        return secant(j - 1) + bend * (2.0 * at[i] - at[j - 1] - at[j]);
+    };
+    double largest = square[k];
+    for (long i = std::max(k - 1, 0L); i < std::min(k + 1, n - 1); ++i) {
+        double h = at[i + 1] - at[i], rise = square[i + 1] - square[i], a = h * slope(i), b = h * slope(i + 1);
+        double cubic = a + b - 2.0 * rise, bow = rise - a - cubic;  // value + a u + bow u^2 + cubic u^3, 0 < u < 1
+        double root = std::sqrt(std::max(bow * bow - 3.0 * cubic * a, 0.0));
+        double u = a / (root - bow);  // where it is largest
+        if (0.0 < u && u < 1.0) largest = std::max(largest, square[i] + u * (a + u * (bow + u * cubic)));
+    }
+    return std::sqrt(largest);
 }
 
 // Means over the cells of all strips; contact modulus Pa of both bodies.
