@@ -30,27 +30,21 @@ inline double highest_pressure(Numbers modes) {
 }
 
 // Largest pressure Pa over adjacent strips: of cubics between the squares of the largest values (n,) Pa of the strips
-// with middles (n,) m whose slopes are those of parabolas through three of them: an ellipse is one parabola. The
-// largest value of a curve with continuous slopes changes continuously, that of the parabola at the largest strip jumps
-// to another parabola. Beyond the lesser one of two strips a third has no pressure, as one that begins to touch.
-inline double peak_across(Numbers highest, Numbers middle) {
-    long n = highest.size(), k = std::max_element(highest.begin(), highest.end()) - highest.begin();
-    if (n == 1) return highest(k);
-    std::vector<double> at(middle.begin(), middle.end()), square;
-    for (double p : highest) square.push_back(p * p);
-    if (n == 2) {
-        at.insert(k ? at.begin() : at.end(), k ? 2.0 * at[0] - at[1] : 2.0 * at[1] - at[0]);
-        square.insert(k ? square.begin() : square.end(), 0.0);
-        k = k ? 2 : 0, n = 3;
-    }
-    auto secant = [&](long i) { return (square[i + 1] - square[i]) / (at[i + 1] - at[i]); };
-    auto slope = [&](long i) {  // at i of the parabola through the three next to it
-        long j = std::clamp(i, 1L, n - 2);
-        double bend = (secant(j) - secant(j - 1)) / (at[j + 1] - at[j - 1]);
-        return secant(j - 1) + bend * (2.0 * at[i] - at[j - 1] - at[j]);
+// with middles and widths (n,) m whose slopes are those of parabolas through three of them: an ellipse is one parabola.
+// The largest value of a continuous curve changes continuously, that of the parabola at the largest strip jumps to
+// another parabola. The strips beyond have no pressure, as those that begin to touch.
+inline double peak_across(Numbers highest, Numbers middle, Numbers width) {
+    std::vector<double> at{middle(0) - width(0)}, square{0.0};
+    for (long i = 0; i < highest.size(); ++i) at.push_back(middle(i)), square.push_back(highest(i) * highest(i));
+    at.push_back(at.back() + width(width.size() - 1)), square.push_back(0.0);
+    auto slope = [&](std::size_t i) {  // of the parabola through those next to it
+        if (square[i] == 0.0) return 0.0;
+        double before = at[i] - at[i - 1], after = at[i + 1] - at[i];
+        double fall = (square[i] - square[i - 1]) / before, rise = (square[i + 1] - square[i]) / after;
+        return (fall * after + rise * before) / (before + after);
     };
-    double largest = square[k];
-    for (long i = std::max(k - 1, 0L); i < std::min(k + 1, n - 1); ++i) {
+    double largest = *std::max_element(square.begin(), square.end());
+    for (std::size_t i = 0; i + 1 < at.size(); ++i) {
         double h = at[i + 1] - at[i], rise = square[i + 1] - square[i], a = h * slope(i), b = h * slope(i + 1);
         double cubic = a + b - 2.0 * rise, bow = rise - a - cubic;  // value + a u + bow u^2 + cubic u^3, 0 < u < 1
         double root = std::sqrt(std::max(bow * bow - 3.0 * cubic * a, 0.0));
@@ -129,7 +123,7 @@ inline PatchRows patch_rows(Rows values, const EquationData& data, const BodyTab
                         {displaced.wheel.part(first, end), displaced.rail.part(first, end),
                          displaced.wheel_normal.part(first, end)},
                         middle, load);
-        store_patch(sums, peak_across(highest, middle), result.rows[k]);
+        store_patch(sums, peak_across(highest, middle, data.places.width.part(first, end)), result.rows[k]);
         first = end;
     }
     return result;
