@@ -342,7 +342,7 @@ def patch_bands(body: str, data: Dataset, figure: Figure | None = None) -> Figur
         ax.set_title(f"Contact on the {named(side, data)} {body}{_suffix(name, names)}")
         ax.set_ylabel(RUN[f"{body}_band"].axis.replace(", ", ",\n"))
     bar = figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), ax=axes, pad=0.01, aspect=40)
-    bar.set_label(peak.caption)
+    bar.set_label(f"{peak.text} [{peak.shown}]")
     return figure
 
 
