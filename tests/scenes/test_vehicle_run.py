@@ -234,7 +234,7 @@ def test_a_run_of_a_vehicle_from_python(tmp_path: Path, monkeypatch: pytest.Monk
     done = wr.run(whole / "scene.toml", vehicle=MANCHESTER)
     assert done.status == "completed"
     np.testing.assert_array_equal(done.data["vertical_force"].values, results(whole)["vertical_force"].values)
-    assert re.search(r"wheelsets y -?\d+\.\d\d to ", repr(done))
+    assert re.search(r"wheelsets y -?\d+\.\d{3} to ", repr(done))
     assert "Q, positive upwards [kN]" in repr(done)
     assert set(done.plot()) == set(PICTURES)
     assert len(done.plot.bands("rail")) == 8
