@@ -40,7 +40,7 @@ def test_a_point_of_the_grid_touches_without_penetration(name: str) -> None:
     inside, outside = 0.0, 1e-3  # m, up
     for _ in range(50):
         middle = 0.5 * (inside + outside)
-        points, approach = grid.contact_points(replace(pose, origin=pose.origin + [0.0, 0.0, middle]), 2)
+        points, approach = grid.contact_points(replace(pose, origin=pose.origin + np.array([0.0, 0.0, middle])), 2)
         inside, outside = (inside, middle) if points is None else (middle, outside)
         if points is not None:
             smallest = approach
