@@ -23,7 +23,7 @@ from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array, Nodes
 
 MISSED = 5e-4  # m, largest overlap between grid points, which are at most 4 mm apart
-CHORD = 1e-6  # m, largest distance of a line of the rail from its chords of 0.1 mm: 0.1 um at 13 mm, 1 um at 1 mm
+CHORD = 1e-6  # m, largest distance of a line of the rail from its chords of 0.1 mm: 0.1 um at 13 mm, 1 um at 1.3 mm
 
 
 @dataclass(frozen=True)

@@ -267,18 +267,22 @@ class FlexibleWheelset:
         if not trial.usable(loads):
             raise LoadError(f"no contact to start from: {', '.join(result.status for result in trial.results)}")
         try:
-            try:
-                return self._newton(trial, 2, loads)
-            except LoadError:
-                if not loads.free:
-                    raise
-                start, solves = self._given_way(trial, loads)
-                return self._newton(start, solves, loads)
+            return self._settled(trial, loads)
         except LoadError as error:
             # Loads that grow as the wheel follows its rail end the equilibria, as of a column that buckles.
             moved = float(np.abs(self._yielding(trial)).max())
             reason = f"; loads at the start would move them by {1e3 * moved:.2g} mm or mrad" if moved > LARGE else ""
             raise LoadError(f"{error}{reason}") from error
+
+    def _settled(self, trial: Trial, loads: Loads) -> FlexibleEquilibrium:
+        """Equilibrium from a trial, or from hubs and rails that have given way to its loads. Raises LoadError."""
+        try:
+            return self._newton(trial, 2, loads)
+        except LoadError:
+            if not loads.free:
+                raise
+            start, solves = self._given_way(trial, loads)
+            return self._newton(start, solves, loads)
 
     def _yielding(self, trial: Trial) -> Array:
         """Motions (18,) by the loads of a trial."""

@@ -18,7 +18,7 @@ STORED = 8  # times of a step at which the motion is kept
 
 def rail_following(dynamics: VehicleDynamics) -> Follow[VehicleEvaluation] | None:
     """Height and roll by which the wheelsets follow the irregular rails, and the drift of a vehicle from its reference
-    motion; None on smooth rails without drift.
+    motion; None on smooth rails, unless the vehicle runs free.
 
     The drift is that of the centre of mass: at its speed at the start of a step and, of a vehicle that runs free, with
     its acceleration, so that stages know where the wheels are when the rails there are felt.
@@ -27,9 +27,9 @@ def rail_following(dynamics: VehicleDynamics) -> Follow[VehicleEvaluation] | Non
     acceleration of the rails instead of their position: a step of a linearly implicit method is then limited by the
     motion, and not by contacts that the stages load or lift as they extrapolate rails of changing slope.
     """
+    if dynamics.track.irregularities is None and not dynamics.runs_free:
+        return None
     if not dynamics.drifts:
-        if dynamics.track.irregularities is None:
-            return None
         fixed = RailFollowing(dynamics)
         return lambda time, state, start: fixed
 
