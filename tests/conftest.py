@@ -12,6 +12,7 @@ import logging
 import shutil
 import signal
 import tempfile
+from collections.abc import Iterator
 from functools import partial
 
 import pytest
@@ -35,3 +36,10 @@ def pytest_configure(config: pytest.Config) -> None:
     folder = os.environ["WHEELRAIL_CACHE"] = kept or tempfile.mkdtemp(prefix="wheelrail-test-")
     if not kept:
         config.add_cleanup(partial(shutil.rmtree, folder, ignore_errors=True))
+
+
+@pytest.fixture(autouse=True)
+def _messages_as_before() -> Iterator[None]:
+    """Benchmarks silence the messages of the process that they run in."""
+    yield
+    logging.disable(logging.NOTSET)
