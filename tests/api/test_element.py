@@ -259,8 +259,17 @@ def flexible() -> wr.Wheelset:
 LOADED = {"y": 2e-3, "z": -6e-4, "roll": 1e-4, "yaw": 1e-3, "speed": 20.0}
 
 
-def test_an_element_with_axle_and_pads_is_the_wheelset_under_the_same_loads() -> None:
+@cache
+def landed() -> wr.WheelsetElement:
+    """An element with axle and pads, and the accepted state of its first solve, which takes seconds."""
     element = flexible().element()
+    assert element.solve(**LOADED).ok
+    element.accept()
+    return element
+
+
+def test_an_element_with_axle_and_pads_is_the_wheelset_under_the_same_loads() -> None:
+    element = landed()
     solution = element.solve(**LOADED)
     assert solution.ok
     hubs = {side: hub for side, (hub, _) in element.motions().items()}
@@ -283,9 +292,8 @@ def test_an_element_with_axle_and_pads_is_the_wheelset_under_the_same_loads() ->
 
 
 def test_the_tangent_of_an_element_has_hubs_and_rails_follow() -> None:
-    element = flexible().element()
+    element = landed()
     element.solve(**LOADED)
-    element.accept()
     slopes = element.tangent().values
     for name in ("z", "roll"):
         column, h, ends = element.solve(**LOADED).state.coordinates.index(name), 2e-6, []
@@ -297,9 +305,7 @@ def test_the_tangent_of_an_element_has_hubs_and_rails_follow() -> None:
 
 
 def test_a_restored_element_with_axle_and_pads_repeats_its_solves() -> None:
-    element, other = flexible().element(), flexible().element()
-    element.solve(**LOADED)
-    element.accept()
+    element, other = landed(), flexible().element()
     other.restore(pickle.loads(pickle.dumps(element.state())))
     moved = {**LOADED, "y": 2.2e-3}
     np.testing.assert_array_equal(wrench(element.solve(**moved)), wrench(other.solve(**moved)))
