@@ -20,6 +20,7 @@ from wheelrail.contact.loading.flexible_state import FlexibleState
 from wheelrail.contact.loading.load_search import LoadError, Results, compliant, find_depth_for_load
 from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, MovedPair
 from wheelrail.contact.loading.two_wheels import at_depths, find_depths_for_loads
+from wheelrail.contact.loading.wheelset import lifted, penetration_of
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
@@ -296,9 +297,8 @@ class FlexibleWheelset:
         the motions without loads Newton's method would have to pass the roll at which the wheel falls.
         Raises LoadError.
         """
-        motions = self._yielding(trial)
         level = replace(trial.state, z=0.0, roll=0.0 if "roll" in loads.free else trial.state.roll)
-        return self._carrying(self._trial(level, motions, trial.results), trial, loads, RESTORED)
+        return self._carrying(level, self._yielding(trial), trial, loads, RESTORED)
 
     def _newton(self, trial: Trial, solves: int, loads: Loads) -> FlexibleEquilibrium:
         """Equilibrium by Newton's method from a trial. Raises LoadError."""
@@ -382,7 +382,9 @@ class FlexibleWheelset:
             force, place = self._errors(following, loads)
             if force > LOADED and loads.free:
                 with suppress(LoadError):
-                    following, more = self._carrying(following, trial, loads, min(RESTORED, 0.1 * size))
+                    following, more = self._carrying(
+                        following.state, following.motions, trial, loads, min(RESTORED, 0.1 * size)
+                    )
                     solves += more
                     force, place = self._errors(following, loads)
             if force <= LOADED and max(force, place / MOTION) < (1 - 0.1 * fraction) * size:
@@ -394,38 +396,59 @@ class FlexibleWheelset:
         """Errors of forces and motions, see `_sizes`; infinite where no contact carries a load."""
         return _sizes(self._residual(trial, loads), loads) if trial.usable(loads) else (np.inf, np.inf)
 
-    def _carrying(self, trial: Trial, earlier: Trial, loads: Loads, rtol: float) -> tuple[Trial, int]:
-        """Trial at the same motions, at the height and roll that carry the loads there, and number of solves.
+    def _carrying(
+        self, level: WheelsetState, motions: Array, earlier: Trial, loads: Loads, rtol: float
+    ) -> tuple[Trial, int]:
+        """Trial at given motions, at the height and roll that carry the loads there, and number of solves.
 
         A step of motions by which a wheel leaves a steep flange changes its force much more than its own load does the
         motions: the loads are found at given motions. Raises LoadError.
         """
         base, guess = self.contact.mounting.wheel_y, earlier.results
-        approach = max(result.approach for result in guess)
+        approach = np.array([result.approach for result in guess])
+        expected = np.maximum(approach, 0.1 * approach.max())
 
         def solved(state: WheelsetState, own: Results | None) -> Results:
-            return self._trial(state, trial.motions, own or guess).results
+            return self._trial(state, motions, own or guess).results
+
+        def penetrations(state: WheelsetState) -> Array:
+            pairs = self._pairs(state, motions)
+            models = [self.contact.of(side).model for side in SIDES]
+            return np.array(
+                [penetration_of(own, pair.pose, pair.motion) for own, pair in zip(models, pairs, strict=True)]
+            )
 
         if len(loads.free) == 1:
+            deepest = float(expected.max())
+            start = lifted(
+                np.array([-level.z]),
+                expected.max(keepdims=True),
+                deepest,
+                lambda depth: penetrations(replace(level, z=-float(depth[0]))).max(keepdims=True),
+            )
             found = find_depth_for_load(
-                lambda depth, own: solved(replace(trial.state, z=-depth), own),
+                lambda depth, own: solved(replace(level, z=-depth), own),
                 float(loads.values[0]),
-                expected=approach,
-                start=-trial.state.z,
+                expected=deepest,
+                start=float(start[0]),
                 rtol=rtol,
             )
-            state, results, trials = replace(trial.state, z=-found.depth), found.results, found.trials
+            state, results, trials = replace(level, z=-found.depth), found.results, found.trials
         else:
-            slopes = compliant(float(loads.values.max())) / np.array([max(r.approach, 0.1 * approach) for r in guess])
             depths, results, trials = find_depths_for_loads(
-                lambda depths, own: solved(at_depths(trial.state, depths, base), own),
+                lambda depths, own: solved(at_depths(level, depths, base), own),
                 loads.values,
-                start=np.full(2, -trial.state.z),
-                slopes=slopes,
+                start=lifted(
+                    np.full(2, -level.z),
+                    expected,
+                    float(expected.max()),
+                    lambda depths: penetrations(at_depths(level, depths, base)),
+                ),
+                slopes=compliant(float(loads.values.max())) / expected,
                 rtol=rtol,
             )
-            state = at_depths(trial.state, depths, base)
-        return Trial(state, trial.motions, self._pairs(state, trial.motions), results), 2 * trials
+            state = at_depths(level, depths, base)
+        return Trial(state, motions, self._pairs(state, motions), results), 2 * trials
 
     def _outcome(self, trial: Trial, solves: int, errors: list[float]) -> FlexibleEquilibrium:
         results, hub_loads = trial.results, trial.loads[:12].reshape(2, 6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Protocol, runtime_checkable
@@ -129,8 +130,8 @@ def wheels_under_load(
 
     def wheel(lowered: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
         own = contact.of(side)
-        penetration = _penetration(own, lowered, side) if isinstance(own.model, HasProblem) else None
-        if penetration is not None and penetration > max(TOO_FAR * expected, HELD):
+        penetration = _penetration(own, lowered, side) if isinstance(own.model, HasProblem) else np.nan
+        if penetration > max(TOO_FAR * expected, HELD):
             return ContactResult.failed(f"{1e3 * penetration:.3g} mm deep, far beyond its load", penetration)
         return contact(lowered, side, guess)
 
@@ -138,10 +139,15 @@ def wheels_under_load(
         lowered = at_depths(state, depths, base)
         return tuple(wheel(lowered, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
 
+    def known(depths: Array) -> Array:
+        lowered = at_depths(state, depths, base)
+        return np.array([_penetration(contact.of(side), lowered, side) for side in SIDES])
+
+    approach = np.array([start.results[0].approach for start in starts])
     depths, results, trials = find_depths_for_loads(
         wheels,
         np.full(2, load),
-        start=_start_together(contact, state, starts, expected),
+        start=lifted(np.array([start.depth for start in starts]), approach, expected, known),
         slopes=np.array([start.slope for start in starts]),
         guess=tuple(start.results[0] for start in starts),
         rtol=rtol,
@@ -150,26 +156,26 @@ def wheels_under_load(
     return WheelsetEquilibrium(at_depths(state, depths, base), dict(zip(SIDES, results, strict=True)), solves)
 
 
-def _start_together(
-    contact: WheelsetContact, state: WheelsetState, starts: list[LoadSolution], expected: float
-) -> Array:
-    """Depths (2,) m from which both wheels are solved, from those at which each carries its load at the state's roll:
-    one that is far deeper at the roll of both, as on a flange by millimetres, is lifted to its approach under the load.
+def lifted(depths: Array, approach: Array, expected: float, penetration: Callable[[Array], Array]) -> Array:
+    """Depths (n,) m from which wheels are solved: those far deeper than under their loads, as on a flange by
+    millimetres, are lifted to their approach.
+
+    Parameters:
+        depths: (n,) m, of each wheel or of both together.
+        approach: (n,) m, under the loads.
+        expected: m, by which the penetration may exceed it.
+        penetration: of the undeformed surfaces (n,) m at depths; NaN where only a solve tells it.
     """
-    depths = np.array([start.depth for start in starts])
-    approach = np.array([start.results[0].approach for start in starts])
-    before = np.zeros((2, 2))
+    before = np.zeros((2, len(depths)))
     for step in range(STEPS):
-        lowered = at_depths(state, depths, contact.mounting.wheel_y)
-        known = [_penetration(contact.of(side), lowered, side) for side in SIDES]
-        penetration = np.array([own if own is not None else np.nan for own in known])
-        deep = penetration > approach + expected
+        known = penetration(depths)
+        deep = known > approach + expected
         if not deep.any():
             break
         way = depths - before[0]
-        change = (penetration - before[1]) / np.where(way != 0.0, way, np.inf) if step else np.ones(2)
-        before = np.array([depths, penetration])
-        depths = depths - np.where(deep, (penetration - approach) / np.clip(change, FLATTEST, 1.0), 0.0)
+        change = (known - before[1]) / np.where(way != 0.0, way, np.inf) if step else np.ones(len(depths))
+        before = np.array([depths, known])
+        depths = depths - np.where(deep, (known - approach) / np.clip(change, FLATTEST, 1.0), 0.0)
     return depths
 
 
@@ -213,7 +219,7 @@ def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, e
     largest = expected if isinstance(own.model, HasProblem) else DEEP * expected
     for step in range(STEPS):
         penetration = _penetration(own, replace(state, z=-depth), side)
-        if penetration is None or SHALLOW * expected <= penetration <= largest:
+        if not (penetration < SHALLOW * expected or penetration > largest):
             break
         # on a flange face the distance of both surfaces changes by a part of the height
         change = (penetration - before[1]) / (depth - before[0]) if step > 0 and depth != before[0] else 1.0
@@ -222,12 +228,22 @@ def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, e
     return depth
 
 
-def _penetration(contact: WheelsetContact, state: WheelsetState, side: Side) -> float | None:
-    """Largest penetration m of the undeformed surfaces of a wheel; None of models that tell it by a solve alone."""
-    pose, motion = contact.mounting.left_pair(state if side == "left" else state.mirrored())
-    if isinstance(contact.model, HasProblem):
-        return contact.model.problem(pose, motion).approach
-    if isinstance(contact.model, HasGrid):
+def _penetration(contact: WheelsetContact, state: WheelsetState, side: Side) -> float:
+    """Largest penetration m of the undeformed surfaces of a wheel; NaN of models that tell it by a solve alone."""
+    return penetration_of(contact.model, *contact.mounting.left_pair(state if side == "left" else state.mirrored()))
+
+
+def penetration_of(model: ContactModel, pose: Pose, motion: RigidMotion) -> float:
+    """Largest penetration m of the undeformed surfaces at a pose; NaN of models that tell it by a solve alone.
+
+    Parameters:
+        model: of the contact.
+        pose: of the wheel.
+        motion: of both bodies.
+    """
+    if isinstance(model, HasProblem):
+        return model.problem(pose, motion).approach
+    if isinstance(model, HasGrid):
         with suppress(OutsideSurface):  # the search recovers from a failed solve
-            return contact.model.geometry.contact_points(pose, 0)[1]
-    return None
+            return float(model.geometry.contact_points(pose, 0)[1])
+    return np.nan

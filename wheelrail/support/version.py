@@ -13,6 +13,7 @@ LIBRARIES = ("numpy", "scipy", "fenics-dolfinx", "petsc4py", "xarray")
 PATIENCE = 5.0  # s for git
 
 
+@cache
 def versions() -> dict[str, str]:
     """Versions of this package and of the libraries that compute, by name."""
     numbers = {"wheelrail": _own()}

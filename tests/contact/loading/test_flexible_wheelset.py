@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,6 +25,7 @@ from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.structure.hubs import hub_compliance
 from wheelrail.contact.structure.padded_section import PaddedSection
 from wheelrail.contact.structure.pads import RailPads, rail_compliance
@@ -309,3 +311,22 @@ def test_a_rail_that_is_pushed_aside_is_named() -> None:
     velocities = {"speed": 25.98, "y_rate": -0.250485, "z_rate": -0.0179661, "yaw_rate": 0.0140482}
     solution = wheelset.solve(y=0.069273, yaw=0.00223017, wheel_load=70185.5, roll="solve", **velocities)
     assert "loads at the start would move them by 9 mm or mrad" in solution.status
+
+
+@pytest.mark.parametrize("loads", [Loads.wheels(LOAD), Loads.axle(2 * LOAD)])
+def test_wheels_far_too_deep_are_lifted_before_a_solve(loads: Loads, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As with rails far aside, where one on a flange would carry meganewtons."""
+    start = solved("pads", 0.0)
+    wheelset, results = FlexibleWheelset(contact(), flexibility("pads")), tuple(start.results.values())
+    trial = wheelset._trial(start.state, start.motions, results)
+    solve, approaches = LatticeContact.__call__, []
+
+    def observed(*given: Any) -> ContactResult:
+        approaches.append(solve(*given).approach)
+        return solve(*given)
+
+    monkeypatch.setattr(LatticeContact, "__call__", observed)
+    deep = replace(start.state, z=start.state.z - 1.5e-3)
+    found, _ = wheelset._carrying(deep, start.motions, trial, loads, 1e-4)
+    assert found.state.z == pytest.approx(start.state.z, abs=1e-7)
+    assert max(approaches) < 2 * results[0].approach
