@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from standin_contact import CONTACT
 from test_figures import history
 from typer.testing import CliRunner
@@ -20,6 +21,7 @@ from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.datasets.run_derived import wear
 from wheelrail.scenes.datasets.run_differences import channels, differences, noise, scatter, table
 from wheelrail.scenes.plots.comparison import PICTURES, draw_comparison
+from wheelrail.scenes.plots.style import save
 from wheelrail.scenes.runs.compare import with_model
 from wheelrail.scenes.schema.scene import RunScene, load_scene, parse_scene
 
@@ -108,17 +110,8 @@ def test_t_gamma_and_shakedown_map() -> None:
     assert all(values.attrs["units"] and values.attrs["long_name"] for values in added.values())
 
 
-def test_figures_show_both_runs(tmp_path: Path) -> None:
-    runs = data(), moved(data(), np.full(40, 1e-3))
-    files = list(draw_comparison(runs, ("condensed", "standard"), tmp_path))
-    assert [file.stem for file in files] == list(PICTURES)
-    assert all(file.stat().st_size > 5000 for file in files)
-    for name, draw in PICTURES.items():
-        figure = draw(runs, ("condensed", "standard"))
-        words = [text.get_text() for ax in figure.axes if (legend := ax.get_legend()) for text in legend.get_texts()]
-        assert any("standard" in word for word in words), name
-        assert all(ax.get_ylabel() for ax in figure.axes[:1])
-    ax = PICTURES["compare_displacement"](runs, ("a", "b")).axes[0]
+def test_displacements_of_both_runs() -> None:
+    ax = PICTURES["compare_displacement"]((data(), moved(data(), np.full(40, 1e-3))), ("a", "b")).axes[0]
     (first, second) = ax.get_lines()[:2]
     assert second.get_ydata() - first.get_ydata() == pytest.approx(1.0)
 
@@ -167,13 +160,19 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         return CONTACT if scene.model == "standard" else elsewhere, None
 
     drawn: list[Path] = []
+    figures: list[Figure] = []
 
     def drawn_once(*arguments: Any) -> list[Path]:  # nine figures take seconds
         drawn.extend([] if drawn else draw_comparison(*arguments))
         return drawn
 
+    def saved(figure: Figure, file: Path) -> None:
+        figures.append(figure)
+        save(figure, file)
+
     monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", contact)
     monkeypatch.setattr("wheelrail.scenes.plots.comparison.draw_comparison", drawn_once)
+    monkeypatch.setattr("wheelrail.scenes.plots.comparison.save", saved)
     file, out = short_scene(tmp_path), tmp_path / "out"
     first = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
     assert first.exit_code == 0, first.output
@@ -183,7 +182,12 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     report = json.loads((out / "differences.json").read_text())
     assert (report["first"], report["second"]) == ("condensed", "standard")
     assert all(0.0 < error < 1e-2 for error in report["energy_balance_error"])
+    assert [file.stem for file in drawn] == list(PICTURES)
     assert all((out / f"{name}.png").stat().st_size > 5000 for name in PICTURES)
+    for name, figure in zip(PICTURES, figures, strict=True):
+        words = [text.get_text() for ax in figure.axes if (legend := ax.get_legend()) for text in legend.get_texts()]
+        assert any("standard" in word for word in words), name
+        assert all(ax.get_ylabel() for ax in figure.axes[:1])
     again = CliRunner().invoke(app, ["compare", str(file), "--out", str(out)])
     assert again.exit_code == 0
     assert models == ["condensed", "standard"]

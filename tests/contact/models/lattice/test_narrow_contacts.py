@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -47,6 +48,7 @@ def ellipse(radii: tuple[float, float], laws: ContactLaws | None = None) -> Latt
     return model
 
 
+@cache
 def wheel(bodies: Bodies) -> LatticeContact:
     model = wheelset(0.3, bodies).model
     assert isinstance(model, LatticeContact)
@@ -130,12 +132,18 @@ def test_level_changes_without_a_step(bound: float) -> None:
     np.testing.assert_allclose(below.tangent()[2, 2], slope[2, 2], rtol=1e-5)
 
 
+@cache
+def light_wheels(bodies: Bodies) -> tuple[LatticeContact, LatticeContact]:
+    """The wheel, and the same on strips and cells twice as fine."""
+    model = replace(wheel(bodies), tolerance=1e-9)
+    return model, replace(model, resolution=LatticeResolution(28, 24))
+
+
 @pytest.mark.parametrize("bodies", ["half-space", "waveguide"])
 @pytest.mark.parametrize("place", [TREAD, FLANGE])
 def test_light_wheel(bodies: Bodies, place: tuple[float, float]) -> None:
-    """Some newtons to some kilonewtons: force against strips and cells twice as fine, tangent against differences."""
-    model = replace(wheel(bodies), tolerance=1e-9)
-    fine = replace(model, resolution=LatticeResolution(28, 24))
+    """Some newtons to some kilonewtons: force against the finer strips and cells, tangent against differences."""
+    model, fine = light_wheels(bodies)
     y, touching = place
     seen = set()
     for depth in np.geomspace(2e-7, 2e-5, 8):
