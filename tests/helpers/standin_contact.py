@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side, cross
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult, Statistics
@@ -44,8 +44,8 @@ class SmoothContact:
         normal = np.array([0.0, -slope, 1.0])
         load = hertz * depth**1.5
         along, across = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, slope]) / np.hypot(1.0, slope)
-        point = np.array([[0.0, 0.0, 0.0]])
-        slip = (motion.wheel.at(point) - motion.rail.at(point))[0]
+        wheel, rail = (twist.velocity - cross(twist.rotation, twist.reference) for twist in (motion.wheel, motion.rail))
+        slip = wheel - rail  # at the origin
         creepage = np.array([slip @ along, slip @ across]) / abs(motion.rail.velocity[0])
         pull = self.creep * (load / STATIC) ** (2 / 3) * creepage
         pull /= np.sqrt(1.0 + (pull @ pull) / (self.friction * load) ** 2) if self.friction else np.inf
@@ -70,7 +70,7 @@ class TwoPointContact:
         if depth <= 0.0:
             return result
         force = 8e10 * depth**1.5 * np.array([0.0, -self.slope, 1.0]) / np.hypot(1.0, self.slope)
-        moment = np.cross([0.0, -0.03, -0.005], force)
+        moment = cross(np.array([0.0, -0.03, -0.005]), force)
         return replace(result, force=result.force + force, moment=result.moment + moment, status="converged")
 
 
