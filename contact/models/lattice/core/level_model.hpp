@@ -14,7 +14,8 @@ constexpr long WARM_ITERATIONS = 12;   // from an earlier result: from none, 8 t
 constexpr long COLD_ITERATIONS = 25;   // from none: 99.9 % of random poses need at most 21
 // m, approach of a wheel on half-spaces, and on bodies that bend: with 3 mm one on the tread carries 5 MN
 constexpr double DEEPEST[] = {3e-3, 1e-2};
-constexpr std::size_t NARROWER = 2;  // of the finer models: those on strips of half and a quarter of the width
+constexpr std::size_t NARROWER = 2;   // of the finer models: those on strips of half and a quarter of the width
+constexpr long MOST_UNKNOWNS = 2500;  // in search of a pressure without tension on wide contacts: 2 s a Newton step
 
 // Outcome of a solve on one level, and what its tangent and patches are computed from.
 struct LatticeOutcome {
@@ -189,10 +190,10 @@ class LevelModel {
     // Outcome with more cells along the strips of a solution with tension, or on narrower strips. Throws NotConverged.
     LatticeOutcome without_tension(const LatticeProblem& problem,
                                    const std::shared_ptr<LatticeSolution>& solution) const {
-        auto models = finer ? finer() : Models{};
-        bool few = long(solution->state.strips.size()) <= strips;  // wider contacts have enough
-        if (!few) models.resize(models.size() - std::min(models.size(), NARROWER));
-        for (const auto& model : models) {
+        long S = long(solution->state.strips.size());
+        for (const auto& model : finer ? finer() : Models{}) {
+            long narrower = model->level - level, unknowns = (S << narrower) * model->setting->block();
+            if (S > strips && (narrower > 1 || unknowns > MOST_UNKNOWNS)) continue;
             auto done = model->solve(model->problem(problem.given()), nullptr);
             if (!done.ok()) continue;
             done.warm = solution;
