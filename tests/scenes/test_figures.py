@@ -184,12 +184,6 @@ def test_failed_write_keeps_the_previous_file(tmp_path: Path, monkeypatch: pytes
     assert list(tmp_path.iterdir()) == [file]
 
 
-def test_figures_are_written(tmp_path: Path) -> None:
-    files = list(figures.draw_figures(dataset(history()), tmp_path))
-    assert [file.stem for file in files] == list(figures.PAPER)
-    assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
-
-
 def test_no_figures_for_one_sample(tmp_path: Path) -> None:
     assert list(figures.draw_figures(dataset(history(1)), tmp_path)) == []
 
@@ -244,15 +238,18 @@ def test_strips_cover_every_patch_once() -> None:
     assert width[first].sum() == pytest.approx(distance[-1] - distance[0])
 
 
-def test_figures_leave_matplotlibs_global_state_unchanged(tmp_path: Path) -> None:
+def test_figures_are_written_and_leave_matplotlibs_global_state_unchanged(tmp_path: Path) -> None:
     code = (
         "import sys, matplotlib; from test_figures import *; before = matplotlib.rcParams.copy();"
-        f"list(figures.draw_figures(dataset(history()), Path({str(tmp_path)!r})));"
+        f"files = list(figures.draw_figures(dataset(history()), Path({str(tmp_path)!r})));"
+        "assert [file.stem for file in files] == list(figures.PAPER);"
         "assert matplotlib.rcParams.copy() == before; assert 'matplotlib.pyplot' not in sys.modules"
     )
     helpers = Path(__file__).parents[1] / "helpers"
     there = {**os.environ, "PYTHONPATH": os.pathsep.join([str(helpers), os.environ.get("PYTHONPATH", "")])}
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).parent, env=there)
+    files = [tmp_path / f"{name}.png" for name in figures.PAPER]
+    assert all(file.read_bytes().startswith(b"\x89PNG") for file in files)
 
 
 def strips(lean: float = 0.1) -> ContactResult:
