@@ -58,7 +58,7 @@ def scene_of(
 
 
 def with_names(caller: str, table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Profile]]:
-    """Keys of profiles with names in place of Profile objects, and these objects by name.
+    """Profile keys with names in place of Profile objects, and the Profile objects by name.
 
     Parameters:
         caller: name of the function or class for error messages.

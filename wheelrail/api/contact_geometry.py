@@ -149,7 +149,7 @@ def _positions(y: ArrayLike | None) -> Array:
 
 
 def _names(wheelset: RigidWheelset) -> dict[str, str]:
-    """Names of the profiles, by side where they differ."""
+    """Profile names by body, and by side where left and right differ."""
     sides = {side: wheelset.on(side).pair for side in SIDES}
     named = {
         "wheel": {s: pair.wheel.name for s, pair in sides.items()},

@@ -26,7 +26,7 @@ class StoredDataset:
 
     @property
     def _tables(self) -> Sequence[TextTable]:
-        """What a reader sees first."""
+        """Tables at the head of the displayed results."""
         raise NotImplementedError
 
     def __repr__(self) -> str:

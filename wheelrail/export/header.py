@@ -51,7 +51,7 @@ def _enumeration(prefix: str, text: str, variables: Sequence[Variable]) -> Itera
 
 
 def _constants(prefix: str, text: str, variables: Sequence[Variable]) -> Iterator[str]:
-    """Positions from 1, as arrays have them in Fortran."""
+    """Fortran constants for positions in an array, counted from 1."""
     yield f"  ! {text}"
     for number, variable in enumerate(variables, 1):
         yield f"  integer, parameter :: {prefix}_{variable.name} = {number}  ! {variable.unit}"

@@ -28,7 +28,7 @@ UNITS: dict[str, dict[str, int]] = {  # exponents of the base units
 
 @dataclass(frozen=True)
 class UnitModel:
-    """What is particular to a unit.
+    """Properties of a functional mock-up unit.
 
     Parameters:
         fmi: version of the interface.
@@ -94,7 +94,7 @@ def _token_name(unit: UnitModel) -> str:
 
 
 def _interfaces(root: Element, unit: UnitModel) -> None:
-    """Model exchange and co-simulation with what they can do."""
+    """Elements for model exchange and co-simulation, with their capabilities."""
     derivatives = str(unit.has_tangent).lower()
     if unit.fmi == "2.0":
         root.set("numberOfEventIndicators", "0")

@@ -1,4 +1,4 @@
-"""The contact of a wheelset as one file, and the library that solves it without Python."""
+"""Export of a wheelset's contact to one file, and of the native library that solves the contact."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LIBRARY = "lib/libwheelrail.so"  # in a folder of its own: Python takes others f
 
 
 def needs_python(wheelset: Wheelset) -> str:
-    """What of the contact of a wheelset is solved in Python; empty if nothing is."""
+    """Part of a wheelset's contact that only Python solves; empty if nothing is."""
     contact = wheelset.element().contact
     if not isinstance(contact, WheelsetContact):
         return "an elastic axle and elastic pads"
@@ -51,7 +51,7 @@ def _in_python(model: ContactModel) -> str:
 
 
 def write_native(wheelset: Wheelset, folder: Path, token: str = "") -> None:
-    """Write what the library without Python opens, the file of the contact and its law of friction.
+    """Write the files of the native library: contact and law of friction.
 
     Parameters:
         wheelset: whose contact it is.
@@ -78,7 +78,7 @@ def write_native(wheelset: Wheelset, folder: Path, token: str = "") -> None:
 
 
 def _data(model: ContactModel, folder: Path) -> StandardData | LatticeFile:
-    """What the library needs of a model; its law of friction is written."""
+    """Data of a contact model for the native library; its law of friction is written."""
     if isinstance(model, StandardContact):
         assert model.data is not None
         return model.data

@@ -33,7 +33,7 @@ warm_up(Path(sys.argv[1]))
 
 
 def write_scene(scene: Path, folder: Path) -> None:
-    """Write scene.toml, and the profiles and the table that it reads from files, into a folder.
+    """Write scene.toml, with the profile and table files that the scene reads, into a folder.
 
     Raises SceneError, OSError.
     """
@@ -80,7 +80,7 @@ def export_runtime(folder: Path, scene_folder: Path) -> None:
 
 
 def _solve(folder: Path, scene_folder: Path) -> None:
-    """Solve the wheelset with the package of the runtime folder, whose cache receives what the solve reads.
+    """Solve the wheelset with the package of the runtime folder, and fill its cache with the data read.
 
     Raises OSError with the last line of the failure.
     """

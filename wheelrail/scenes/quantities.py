@@ -78,7 +78,7 @@ READERS: dict[str, tuple[Any, ...]] = {
 
 
 def _shown(quantities: Schema) -> dict[str, Quantity]:
-    """The quantities with what readers see."""
+    """Quantities with their display attributes, such as label, symbol and digits."""
     names = ("label", "shown", "digits", "symbol", "sign")
     return {
         name: own._replace(**dict(zip(names, READERS[name], strict=False))) if name in READERS else own

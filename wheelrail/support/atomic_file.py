@@ -62,7 +62,7 @@ def check_space(path: Path, size: int) -> None:
 
 
 def remove_leftovers(folder: Path) -> None:
-    """Remove temporaries of dead processes in a folder, and those of other machines that are at least a day old."""
+    """Remove temporaries of dead processes in a folder, and temporaries of other machines after a day."""
     for part in folder.glob(f"{PART}*"):
         with contextlib.suppress(OSError):
             if _abandoned(part.name) or time.time() - part.stat().st_mtime > DAY:
@@ -85,7 +85,7 @@ def _abandoned(name: str) -> bool:
 
 @cache
 def _process_space() -> str:
-    """Hash of what numbers of processes belong to: the machine, its start and its container."""
+    """Hash of the space of process numbers: the machine, its start and its container."""
     names = [platform.node()]
     with contextlib.suppress(OSError):  # Linux only
         names += [Path("/proc/sys/kernel/random/boot_id").read_text(), os.readlink("/proc/self/ns/pid")]
@@ -93,7 +93,7 @@ def _process_space() -> str:
 
 
 def _umask() -> int:
-    """Mask of the permissions of new files, which can only be read by setting it."""
+    """Mask of the permissions of new files, readable only by setting a new mask."""
     mask = os.umask(0o077)
     os.umask(mask)
     return mask

@@ -34,7 +34,7 @@ UNUSED = 30 * 86400.0  # s, after which a file that was not read is removed
 
 
 class CompilerFailed(OSError):
-    """There is no C compiler, or it fails."""
+    """Missing C compiler, or failed compilation."""
 
 
 def build() -> str:
@@ -62,7 +62,7 @@ def compiler_stamp() -> str:
 
 
 def loaded(name: str, source: Callable[[], str], load: Callable[[str], T]) -> T:
-    """A library of the cache, or compiled and stored in it if it can be.
+    """Compiled library, from the cache or compiled now and cached if possible.
 
     Parameters:
         name: of the library, changes with its source.
@@ -107,7 +107,7 @@ def _store(path: Path, library: Path) -> None:
 
 
 def _trusted(path: Path) -> bool:
-    """Whether a library is whole, and only this user and the administrator can have put it there."""
+    """Whether a library is undamaged, in a folder writable by this user and the administrator only."""
     with suppress(OSError):
         sealed = path.read_bytes()
         return hashlib.sha256(sealed[:-32]).digest() == sealed[-32:] and private(path.parent)

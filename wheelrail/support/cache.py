@@ -66,7 +66,7 @@ def digest(**parts: Any) -> str:
 
 @cache
 def source_digest(*folders: Path) -> str:
-    """Hash of all Python files in folders, at any depth, by name and content, as they are at the first call."""
+    """Hash of all Python files in folders, at any depth, by name and content, at the time of the first call."""
     checksum = hashlib.sha256()
     for folder in folders:
         for file in sorted(folder.rglob("*.py")):
@@ -76,7 +76,7 @@ def source_digest(*folders: Path) -> str:
 
 
 def load(name: str) -> dict[str, NDArray[Any]] | None:
-    """Stored arrays, or None when there are none, the file is damaged or its content is not what was stored there.
+    """Stored arrays, or None if missing or damaged.
 
     Arrays of another folder than the first are stored in the first, too.
     """
@@ -128,7 +128,7 @@ def store(name: str, arrays: Arrays) -> None:
 
 
 def cached(name: str, build: Callable[[], Arrays], names: Sequence[str]) -> Arrays:
-    """The named arrays from the cache, or built by one process, for which others wait, and stored."""
+    """Named arrays from the cache, or built and stored by one process while other processes wait."""
 
     def stored() -> Arrays | None:
         arrays = load(name)

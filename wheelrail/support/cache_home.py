@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory, TemporaryFile
 
 
 def writable(folder: Path) -> bool:
-    """Whether files can be written to a folder, which is created for this user alone if it does not exist."""
+    """Whether a folder is writable, after its creation for this user alone if missing."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         folder.mkdir(mode=0o700, exist_ok=True)
@@ -21,7 +21,7 @@ def writable(folder: Path) -> bool:
 
 
 def private(place: Path) -> bool:
-    """Whether only this user and the administrator can put files into a folder, or exchange one that it is in.
+    """Whether only this user and the administrator can write to a folder, or replace a folder above.
 
     A group with the number of its user is the user's own. In folders with the sticky bit, like /tmp, only the owner can
     exchange a folder.
@@ -38,8 +38,8 @@ def private(place: Path) -> bool:
 
 @cache
 def provide_cache_home() -> TemporaryDirectory[str] | None:
-    """Set HOME and XDG_CACHE_HOME to a folder of this process, removed at its end, if they are of no use: what is
-    compiled and computed is then not kept. The folder, or None.
+    """Set HOME and XDG_CACHE_HOME to a temporary folder of this process if unusable; compiled code and results are then
+    not kept. Returns the folder, or None.
 
     DOLFINx cannot be loaded without a home folder, nor compile without a folder for its caches.
     """

@@ -61,7 +61,7 @@ def deferred_interrupts() -> Iterator[None]:
 
 
 class Helper(Thread):
-    """A thread that works for the main one, which awaits it."""
+    """Thread that works for the main thread, which waits for the end."""
 
 
 def check_interrupt() -> None:

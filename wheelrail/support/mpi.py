@@ -65,7 +65,7 @@ class Ranks:
         return value  # type: ignore[return-value]
 
     def first_then_all(self, make: Callable[[], T]) -> T:
-        """Result of a function on every rank, on the first before the others, which then load its compiled forms."""
+        """Result of a function on every rank, first on rank 0; other ranks then load its compiled forms."""
         if self.first:
             value = make()
         self.comm.Barrier()

@@ -26,7 +26,7 @@ MODULE = re.compile(r"[a-z_0-9]+(\.[a-z_0-9]+)+")
 
 
 class NotPlainData(ValueError):
-    """Bytes that are not those of `encode`, or of classes that are unknown or not admitted."""
+    """Bytes not written by `encode`, or of unknown or forbidden classes."""
 
 
 def encode(value: Any) -> bytes:
@@ -107,7 +107,7 @@ class _Writer:
 
 
 def _layout(array: NDArray[Any]) -> tuple[str, tuple[int, ...], str]:
-    """Type, shape and order of the elements of an array as `tobytes("A")` writes them."""
+    """Data type, shape and memory order of an array as written by `tobytes("A")`."""
     columns_first = array.flags.f_contiguous and not array.flags.c_contiguous
     return array.dtype.str, array.shape, "F" if columns_first else "C"
 

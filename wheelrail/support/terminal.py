@@ -32,14 +32,14 @@ def progress_console() -> Console:
 
 
 def set_verbosity(*, quiet: bool = False, verbose: bool = False) -> None:
-    """Set what goes to standard error: errors only, or also details of the solvers and warnings of libraries."""
+    """Set the verbosity on standard error: errors only, or also details of the solvers and warnings of libraries."""
     progress_console().quiet = quiet
     warnings.showwarning = _print_warning  # type: ignore[assignment]
     Verbosity.level = logging.DEBUG if verbose else logging.INFO
 
 
 def _print_warning(message: Warning | str, *_: object) -> None:
-    """Print a warning as one line, without the place in the program where it was raised."""
+    """Print a warning as one line, without its location in the source."""
     progress_console().print(f"warning: {message}", highlight=False, markup=False, soft_wrap=True)
 
 
@@ -98,7 +98,7 @@ def _library_level() -> int:
 
 @contextmanager
 def stdout_for_results() -> Iterator[None]:
-    """Redirect standard output to standard error during the block, for what C libraries print.
+    """Redirect standard output to standard error during the block, against prints by C libraries.
 
     Log messages of this package go to the progress console, of libraries only errors.
     """

@@ -35,7 +35,7 @@ class WorkerProcess(ProcessPoolExecutor):
 
     @property
     def process(self) -> BaseProcess | None:
-        """The process while it is alive."""
+        """Worker process, None unless alive."""
         try:
             pid = self._pid.result()
         except BrokenProcessPool:
@@ -44,7 +44,7 @@ class WorkerProcess(ProcessPoolExecutor):
         return next((child for child in active_children() if child.pid == pid and not wait([child.sentinel], 0)), None)
 
     def stop(self) -> None:
-        """End the process at once, whatever it computes; unfinished calls raise BrokenProcessPool."""
+        """Kill the process at once, without waiting for its results; unfinished calls raise BrokenProcessPool."""
         if process := self.process:
             process.kill()
         self.shutdown(wait=True, cancel_futures=True)

@@ -1,4 +1,4 @@
-"""Libraries that read settings from the working directory are loaded outside it.
+"""Loading of libraries outside the working directory, whose settings files are not to be read.
 
 With these files a folder from elsewhere could run code: `.petscrc` (`-dll_prepend` loads a library),
 `dolfinx_jit_parameters.json` and `ffcx_parameters.json`, from 0.6 on `..._options.json` (arguments of the compiler),
@@ -44,13 +44,13 @@ def _dolfinx() -> None:
 
 
 def _read_options(*modules: str) -> None:
-    """Read the options of a library, which keeps them for later calls."""
+    """Read the options of a library, cached for later calls."""
     module = next(import_module(name) for name in modules if find_spec(name))
     getattr(module, "get_options" if hasattr(module, "get_options") else "get_parameters")()
 
 
 def _nothing() -> None:
-    """PETSc and Matplotlib read their files once, when they are loaded."""
+    """No action for PETSc and Matplotlib, which read their files once, at import."""
 
 
 LIBRARIES: dict[str, Callable[[], None]] = {
@@ -83,6 +83,6 @@ class _Finder(MetaPathFinder):
 
 
 def load_libraries_outside() -> None:
-    """Load the libraries outside the working directory from now on, when they are first imported."""
+    """Load the libraries outside the working directory from now on, at their first import."""
     if not any(isinstance(finder, _Finder) for finder in sys.meta_path):
         sys.meta_path.insert(0, _Finder())

@@ -19,7 +19,7 @@ _ENDS = tuple((limits.low, limits.high) for limits in LIMITS)
 
 
 def invalid_input(values: Sequence[float]) -> str:
-    """The first input that is not a number in its range, with what is allowed; empty where there is none.
+    """First input that is not a number in its range, with the range; empty where there is none.
 
     Parameters:
         values: (17,) in the order of INPUTS.

@@ -119,8 +119,8 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
         return (*left, *(MIRRORED_HUB * right).tolist(), *left_rail, *(MIRRORED_RAIL * right_rail).tolist())
 
     def motions(self) -> dict[Side, tuple[Array, Array]]:
-        """Motions of the hub (6,) relative to the line through the journals, x, y, z, then about x, y, z, and of the
-        rail (3,), y, z, then roll about its foot, m and rad, at the last solved state.
+        """Motions of hub (6,) and rail (3,), m and rad, at the last solved state. Hub: x, y, z, then about x, y, z,
+        relative to the line through the journals. Rail: y, z, then roll about its foot.
 
         Raises ValueError when it failed, or there is none, and for rigid axle and clamped rails.
         """

@@ -1,4 +1,4 @@
-"""Contact of one side by a table of forces, checked against the scene that uses it."""
+"""Contact of one side by a table of forces, checked against the scene."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def constant_friction(scene: WheelsetScene | RunScene, side: Side) -> float:
 def pair_identity(
     scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profile, Profile], mounting: Mounting
 ) -> dict[str, float | str]:
-    """What forces of one side depend on besides the model: profiles as hashes, dimensions, material and friction."""
+    """Inputs of the forces of one side besides the model: profiles as hashes, dimensions, material and friction."""
     return {
         "wheel": pair[0].digest(),
         "rail": pair[1].digest(),
@@ -81,7 +81,7 @@ def table_contact(
 
 @lru_cache(maxsize=4)
 def read_tables(file: Path, stamp: int) -> tuple[dict[str, ForceTable], dict[str, dict[str, Any]]]:
-    """Tables, and what they were made for, by side.
+    """Force tables, and the inputs of their computation, by side.
 
     Parameters:
         file: to read.

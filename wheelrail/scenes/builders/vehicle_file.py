@@ -140,7 +140,7 @@ def parse_vehicle(text: str, path: str | Path, *, warn: bool = False) -> Vehicle
 
 
 def _with_types(data: Mapping[str, Any], path: str | Path) -> dict[str, Any]:
-    """Tables in which the values of `type` precede those of each body and element. Raises SceneError."""
+    """Vehicle tables with values of `type` ahead of the own ones of each body and element. Raises SceneError."""
     result = {key: value for key, value in data.items() if key not in ("body_types", "element_types")}
     for kind, types_key in (("bodies", "body_types"), ("elements", "element_types")):
         types, entries = data.get(types_key, {}), result.get(kind)

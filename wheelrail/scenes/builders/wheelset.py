@@ -68,7 +68,7 @@ def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profi
 
 
 def run_contact(scene: RunScene) -> tuple[VehicleContact, Structure | None]:
-    """Contact of a run, and its axle and rails where they are elastic; errors as for `wheelset_contact`."""
+    """Contact of a run, and its axle and rails if elastic; errors as for `wheelset_contact`."""
     profiles = side_profiles(scene)
     contact = wheelset_contact(scene, profiles)
     if not scene.is_flexible:
@@ -89,7 +89,7 @@ def run_contact(scene: RunScene) -> tuple[VehicleContact, Structure | None]:
 def element_contact(
     scene: WheelsetScene, contact: WheelsetContact, profiles: SideProfiles, host: Sequence[str]
 ) -> VehicleContact:
-    """Contact of an element, with axle and rails that follow the loads and those that a host moves.
+    """Contact of an element, with axle and rails quasi-static or moved by the host.
 
     Parameters:
         scene: of a wheelset.
@@ -119,7 +119,7 @@ def element_contact(
 
 
 def _with_host(scene: WheelsetScene, own: Flexibility, profiles: SideProfiles, host: Sequence[str]) -> Flexibility:
-    """Flexibility less what clamped elastic bodies and the host would both count."""
+    """Flexibility without the compliance that clamped elastic bodies and the host would both contribute."""
     from wheelrail.contact.structure.pads import RailPads
     from wheelrail.contact.structure.rim import rim_compliance
     from wheelrail.contact.structure.section_motion import section_motion
@@ -237,7 +237,7 @@ def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
 
 
 def side_profiles(scene: WheelsetScene | RunScene) -> SideProfiles:
-    """Profiles of wheel and inclined rail by side, with log messages on those from files.
+    """Profiles of wheel and inclined rail by side, with a log message for each profile from a file.
 
     Raises SceneError for one that cannot be read.
     """

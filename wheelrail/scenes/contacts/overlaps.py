@@ -71,6 +71,6 @@ def _unsolved(scene: WheelsetScene, name: str, solution: SideSolution, profiles:
 
 
 def _connected(overlaps: Mask, inside: Mask) -> Mask:
-    """Points (n,) of those connected parts of an overlap that have points inside of patches."""
+    """Mask (n,) of the connected parts of an overlap with points inside patches."""
     part = np.cumsum(np.diff(overlaps, prepend=False) & overlaps) * overlaps
     return np.asarray(np.isin(part, np.unique(part[inside & overlaps])) & overlaps)

@@ -20,7 +20,7 @@ MOMENT = tuple(f"{turn}_moment" for turn in TURNS)
 
 
 def _unit(names: str | tuple[str, ...]) -> str | list[str]:
-    """Unit of a key of a patch, or units of its components where they differ."""
+    """Unit of a patch quantity, or the units of its components if different."""
     units = [CONTACT[name].unit for name in ([names] if isinstance(names, str) else names)]
     return units if len(set(units)) > 1 else units[0]
 
@@ -107,7 +107,7 @@ def _patches(own: SideValues) -> list[dict[str, Any]]:
 
 
 def _statistics(own: SideValues) -> dict[str, Any]:
-    """Statistics of the last solve, number of contact solves, and computing time of all of them."""
+    """Statistics of the last solve, number of contact solves, and their total computing time."""
     phases = own.data["phase"].values.tolist() if "phase" in own.data else []
     seconds = dict(zip(phases, own["phase_seconds"] if phases else [], strict=True))
     return {

@@ -27,7 +27,7 @@ class SideValues:
     side: str
 
     def __getitem__(self, name: str) -> Any:
-        """Value of a variable, a list if it has more dimensions than the side."""
+        """Value of a variable on this side, a list for further dimensions."""
         return self.data.variables[name].values[self._row].tolist()
 
     def vector(self, names: tuple[str, ...]) -> list[float]:

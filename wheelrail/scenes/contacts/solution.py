@@ -86,7 +86,7 @@ def _laws(scene: HertzScene | WheelsetScene, solved: Iterable[str]) -> dict[str,
 
 
 def _of_sides(scene: HertzScene | WheelsetScene) -> dict[str, float | str]:
-    """Friction and radius, m, of both sides where they differ."""
+    """Friction and radius (m) by side, if left and right differ."""
     if isinstance(scene, HertzScene) or scene.sides_alike:
         return {}
     tables = {name: scene.side(name) for name in SIDES}
@@ -142,7 +142,7 @@ def _poses(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
 
 
 def _structure(solved: Mapping[str, SideSolution]) -> dict[str, Any]:
-    """Motions of hubs and rails and stress of the axle, where they are flexible."""
+    """Motions of flexible hubs and rails, and stress of a flexible axle."""
     motions = [solution.structure for solution in solved.values()]
     if all(motion is None for motion in motions):
         return {}

@@ -119,12 +119,12 @@ def _largest(own: SideValues, body: str, patch: int) -> str:
 
 
 def _strips(count: int) -> str:
-    """Number of strips across a patch, and whether they are too few."""
+    """Number of strips across a patch, marked if too small."""
     return f"{count}, rough" if 0 < count < FEWEST_STRIPS else f"{count}" if count else ""
 
 
 def _turn(angle: float) -> str:
-    """Angle rad by which the surfaces turn across half a patch, and whether half-spaces no longer stand for them."""
+    """Angle rad by which the surfaces turn across half a patch, marked if too large for half-spaces."""
     return "" if math.isnan(angle) else f"{angle:.2f}, too wide for half-spaces" if angle > WIDEST else f"{angle:.2f}"
 
 

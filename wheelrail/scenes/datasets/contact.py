@@ -59,7 +59,7 @@ def contact_dataset(results: Mapping[str, ContactResult], laws: Mapping[str, Con
 
 
 def check_contact(data: Dataset, file: Path) -> None:
-    """Raise SceneError unless a Dataset has what a contact solution writes, naming what is missing or differs.
+    """Raise SceneError unless a Dataset has the variables and attributes of a contact solution, naming the difference.
 
     Parameters:
         data: Dataset of the file.

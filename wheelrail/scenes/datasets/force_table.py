@@ -39,7 +39,7 @@ VALUES = {
 def table_dataset(
     tables: Mapping[str, ForceTable], errors: Mapping[str, TableErrors], attributes: Mapping[str, Any]
 ) -> Dataset:
-    """Dataset of the tables of one side, or of both where they differ.
+    """Dataset of the force tables of one side, or of both sides if different.
 
     Parameters:
         tables: by side.

@@ -32,7 +32,7 @@ def packed(scenes: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]]) -> str
 
 
 def _named(written: Mapping[str, Any], validated: Mapping[str, Any]) -> Iterator[tuple[str, Path]]:
-    """Files by the names that the tables have for them."""
+    """Input files by their names in the tables."""
     for key, value in written.items():
         inner = validated.get(key)
         if isinstance(value, Mapping) and isinstance(inner, Mapping):
@@ -44,7 +44,7 @@ def _named(written: Mapping[str, Any], validated: Mapping[str, Any]) -> Iterator
 
 
 def unpacked(tables: Mapping[str, Any], attributes: Mapping[str, Any], place: str | Path) -> dict[str, Any]:
-    """Tables of a scene or a study whose files are those that are stored with its results.
+    """Tables of a scene or a study, with the input files stored with its results.
 
     Parameters:
         tables: as they were written.

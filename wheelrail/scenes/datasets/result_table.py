@@ -1,4 +1,4 @@
-"""What a command prints: tables and facts in SI units, as text for readers and as JSON for programs."""
+"""Printed results of commands: tables and facts in SI units, as text for readers and as JSON for programs."""
 
 from __future__ import annotations
 

@@ -145,7 +145,7 @@ def _track(history: History) -> dict[str, Any]:
 
 
 def _structure_motion(history: History) -> dict[str, Any]:
-    """Motions of hubs and rails, where they are elastic."""
+    """Motions of elastic hubs and rails, if any."""
     structure = history.dynamics.structure
     if structure is None:
         return {}

@@ -1,4 +1,4 @@
-"""Reading of the results of runs, also of those by earlier versions."""
+"""Reader of run results, including files of earlier versions."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ATTRIBUTES: dict[str, type] = {
 
 
 def is_of_wagon(data: Dataset) -> bool:
-    """Whether the results are those of the plane wagon of the scene, which have no text of a vehicle file."""
+    """Whether the results belong to the plane wagon of the scene, without the text of a vehicle file."""
     return not data.attrs["vehicle"]
 
 
@@ -72,7 +72,7 @@ def run_of(data: Dataset, file: Path) -> Dataset:
 
 
 def _check_names(data: Dataset, file: Path) -> None:
-    """Raise SceneError unless bodies have names of their own, and wheelsets are among them."""
+    """Raise SceneError unless body names are unique and wheelsets, one at least, are bodies."""
     bodies, wheelsets = data["body"].values.tolist(), data["wheelset"].values.tolist()
     if len(set(bodies)) < len(bodies):
         raise SceneError(f"{file}: body: must be different names")

@@ -1,4 +1,4 @@
-"""Files that end with a hash of all bytes before it, so that damage is known before a library reads them."""
+"""Files sealed by a hash of all preceding bytes, so that damage is detected before a library reads the file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ CHUNK = 1 << 20  # bytes
 
 
 class Damaged(ValueError):
-    """A sealed file whose bytes are not those that were sealed."""
+    """Sealed file whose content does not match its hash."""
 
 
 def seal(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Extreme values of a run and the distances at which they occur."""
+"""Extreme values of a run and their distances along the track."""
 
 from __future__ import annotations
 

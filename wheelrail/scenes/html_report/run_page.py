@@ -133,7 +133,7 @@ def _solves(one: Dataset) -> Iterator[tuple[str, str]]:
 
 
 def _safety(data: Dataset, file: Path) -> PageTable | PageNote:
-    """Running safety over the whole run, or the reason why it cannot be assessed."""
+    """Running safety over the whole run, or a note with the reason for its absence."""
     from wheelrail.scenes.runs.safety_table import safety_of_data, safety_table
 
     try:
@@ -143,7 +143,7 @@ def _safety(data: Dataset, file: Path) -> PageTable | PageNote:
 
 
 def _track(data: Dataset, file: Path) -> PagePicture | PageNote:
-    """Figure of the track, or the reason why it cannot be drawn."""
+    """Figure of the track, or a note with the reason for its absence."""
     from wheelrail.scenes.datasets.input_files import scene_of_run
     from wheelrail.scenes.runs.track_plot import track_figure
     from wheelrail.scenes.views.view import vehicle_of_run

@@ -146,7 +146,7 @@ def _description(data: Dataset, sample: Dataset, name: str) -> str:
 
 
 def _view_or_reason(draw: Callable[[], PageView]) -> PageView | PageNote:
-    """The view, or a note with the reason why it cannot be drawn."""
+    """View, or a note with the reason for its absence."""
     try:
         return draw()
     except (ImportError, OSError, RunFailed, ValueError) as error:

@@ -141,7 +141,7 @@ def traction_map(
 
 
 def _panels(figure: Figure, columns: int, heights: list[float]) -> tuple[NDArray[np.object_], Axes]:
-    """Axes (rows, columns) of the given heights, inches, and those of a colour bar beside the first row.
+    """Axes (rows, columns) of given heights, inches, and axes of a colour bar beside the first row.
 
     Lengths are set in inches, as layouts that are fitted to the labels give each panel another scale.
     """
@@ -239,7 +239,7 @@ def _arrows(
 
 
 def _stick_line(ax: Axes, cells: PatchCells) -> list[str]:
-    """Draw the stick-slip boundary and return a note on it; nothing without friction."""
+    """Draw the stick-slip boundary and return a note on full stick or full slip; nothing without friction."""
     if not cells.traction.any():
         return []
     if cells.sticks.all() or not cells.sticks.any():

@@ -76,7 +76,7 @@ def section(
 
 
 def through(cells: PatchCells, axis: int) -> tuple[Array, NDArray[np.int64]]:
-    """Coordinates (k,), m, along an axis (0 forward, 1 left) in order, and indices (k,) of the cells next to it.
+    """Coordinates (k,), m, along an axis (0 forward, 1 left), increasing, and indices (k,) of the nearest cells.
 
     Of each line of cells across the axis the nearest cell is taken, if the line reaches the axis.
     """

@@ -59,7 +59,7 @@ class CheckpointFile:
             self.rows += len(new)
 
     def latest(self) -> Checkpoint | None:
-        """The last undamaged checkpoint with all rows up to it; the next one is appended after it.
+        """Last undamaged checkpoint, with all rows up to its time; the next one is appended after it.
 
         None when there is none. Raises OSError when the file cannot be read and written, StillRunning when another
         process has locked it, Unreadable for checkpoints of other classes or values.
@@ -117,7 +117,7 @@ def read_header(path: Path) -> dict[str, Any] | None:
 
 
 def _lock(stream: IO[bytes]) -> bool:
-    """Lock a file until it is closed or this process ends; False when another process has locked it."""
+    """Lock a file until its closing or the end of this process; False when another process has locked it."""
     try:
         fcntl.lockf(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except (BlockingIOError, PermissionError):
@@ -128,7 +128,7 @@ def _lock(stream: IO[bytes]) -> bool:
 
 
 def _write_at(stream: IO[bytes], data: bytes, offset: int) -> None:
-    """Write all of the data and wait until it is on disk."""
+    """Write all of the data and synchronise the file with the disk."""
     while data:
         count = os.pwrite(stream.fileno(), data, offset)
         data, offset = data[count:], offset + count

@@ -1,4 +1,4 @@
-"""Completed and interrupted runs of a folder, and whether a scene can resume them."""
+"""Completed and interrupted runs of a folder, and the check whether a scene can resume a run."""
 
 from __future__ import annotations
 

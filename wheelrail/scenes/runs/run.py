@@ -274,7 +274,7 @@ def write_results(history: History, text: str, folder: Path, scene: RunScene, ve
 
 
 def run_dataset(history: History, text: str, scene: RunScene, file: Path | None = None) -> Dataset:
-    """Dataset of a run with the files of its scene, and the energy balance where it is known.
+    """Dataset of a run with the input files of its scene, and the energy balance if known.
 
     Parameters:
         history: of the run.

@@ -93,9 +93,7 @@ def _facts(one: Assessed) -> dict[str, Any]:
 
 
 def safety_table(wheelsets: dict[str, WheelsetSafety], remarks: Sequence[str] = ()) -> TextTable:
-    """Table with the value and its place for every wheelset, the limit, and whether all wheelsets keep it; remarks
-    follow its title.
-    """
+    """Table of safety quantities: value and place for every wheelset, limit, compliance; remarks follow its title."""
     title = f"Running safety and track loading after EN 14363: value, and place along the track (m). {UNCONFIRMED}"
     rows = []
     for _, label, scale, digits, quantity in ROWS:

@@ -15,7 +15,7 @@ LATTICE = ("strips", "cells")
 
 
 def used_keys(scene: RunScene) -> dict[str, Any]:
-    """Tables of a run with the keys that it uses, defaults of the discretisation resolved, no key without a value."""
+    """Keys used by a run, by table, with resolved defaults of the discretisation, without missing values."""
     data: dict[str, Any] = json.loads(json.dumps(scene.model_dump()))
     unused = set() if scene.has_elements else set(ELASTIC)
     unused |= set() if scene.model == "standard" else set(STANDARD)

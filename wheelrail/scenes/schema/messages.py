@@ -195,7 +195,7 @@ def _in_data(location: Keys, data: Any) -> Keys:
 
 
 def _nearest(location: Keys, model: type[BaseModel]) -> tuple[str, Keys]:
-    """Hint at what an unknown key may mean, a similar key of its table, or the same one in another table; and that."""
+    """Hint for an unknown key and the suggested key: a similar one of its table, or the same one in another table."""
     table = next(_without_none(_type_at(model, location[:-1])))
     wrong = str(location[-1])[:100]
     here = list(table.model_fields)

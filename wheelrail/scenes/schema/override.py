@@ -1,4 +1,4 @@
-"""Values of a wagon replaced by those of a table, with their units and plausible ranges."""
+"""Wagon parameters overridden by a table, with units and plausible ranges."""
 
 from __future__ import annotations
 

@@ -76,7 +76,7 @@ class PairTable(SceneTable):
 
 
 class SideTable(PairTable):
-    """What differs on one side; other keys are those of both sides.
+    """Profiles, radius and friction of one side where different; other keys are those of both sides.
 
     radius: of the rolling circle of this wheel, m. friction: as for the scene.
     """
@@ -86,7 +86,7 @@ class SideTable(PairTable):
 
 
 class ProfilesTable(PairTable):
-    """Profiles of wheel and rail of both sides, and in the tables left and right what differs there.
+    """Profiles of wheel and rail for both sides, with overrides in the tables left and right.
 
     y of every profile is positive to its field side; the right-hand pair is the mirror image of a left-hand one.
     """

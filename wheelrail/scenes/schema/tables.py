@@ -139,9 +139,7 @@ def _switched(value: Any) -> Any:
 
 
 class RailsTable(SceneTable):
-    """Position of the rails, their pads, without which they are clamped at their feet, and sleepers that are discrete,
-    on ballast, or both.
-    """
+    """Rail positions, pads (none: feet clamped) and sleepers, discrete, on ballast, or both."""
 
     gauge: q.Gauge
     gauge_height: q.GaugeHeight

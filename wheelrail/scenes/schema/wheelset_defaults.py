@@ -1,4 +1,4 @@
-"""Defaults of a wheelset scene, those of `wheelrail.Wheelset`: `kind = "wheelset"` alone is a scene."""
+"""Defaults of a wheelset scene, equal to the defaults of `wheelrail.Wheelset`: `kind = "wheelset"` alone is a scene."""
 
 from __future__ import annotations
 

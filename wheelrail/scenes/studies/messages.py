@@ -1,4 +1,4 @@
-"""Preparation of worker processes, and their log messages, logged again by the process that started them.
+"""Preparation of worker processes, and transfer of their log messages to the parent process.
 
 NumPy is not imported here: it reads the number of threads at import, after `prepare_worker` sets it.
 """

@@ -174,7 +174,7 @@ def _cases(
 
 
 def _common(axes: Sequence[StudyAxis], index: tuple[int, ...]) -> dict[str, Any]:
-    """Values of the reference case that replace those of other dimensions; none for other cases."""
+    """Values of the reference case that override other dimensions; none for other cases."""
     common: dict[str, Any] = {}
     for axis, i in zip(axes, index, strict=True):
         if axis.reference and i == len(axis) - 1:

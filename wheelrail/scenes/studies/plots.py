@@ -47,7 +47,7 @@ def drawings(data: Dataset) -> dict[str, Callable[[Dataset, Figure | None], Figu
 
 
 def lines(data: Dataset, figure: Figure | None = None) -> Figure | None:
-    """Main quantities over the longest numeric dimension, one colour per combination of the others."""
+    """Main quantities over the longest numeric dimension, one colour per combination of the remaining dimensions."""
     from matplotlib.lines import Line2D
 
     names, dims = varying(data)[:PANELS], dimensions(data)
@@ -125,8 +125,8 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
 
 
 def convergence(data: Dataset, figure: Figure | None = None) -> Figure | None:
-    """Relative errors over size and over computing time (work-precision), a line for each quantity, or a row of panels
-    for each quantity with a line for each series.
+    """Relative errors over size and over computing time (work-precision): a line for each quantity; for several series,
+    a row of panels for each quantity and a line for each series.
     """
     if not errors_of(data):
         return None

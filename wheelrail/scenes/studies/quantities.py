@@ -27,7 +27,7 @@ REDUCTIONS: dict[str, tuple[str, str, Callable[[Any], Any]]] = {
 
 
 class Reduced(NamedTuple):
-    """A variable of a run, and how it becomes a number; at: place in a dimension, body or suspension element."""
+    """Variable of a run with its reduction to a number; at: place in a dimension, body or suspension element."""
 
     variable: str
     reduction: str

@@ -28,7 +28,7 @@ def read_study(file: Path) -> Dataset:
 
 
 def check_study_data(data: Dataset, file: Path) -> None:
-    """Raise SceneError naming what is missing or not as a study writes it.
+    """Raise SceneError unless a Dataset has the structure of study results, naming the difference.
 
     Parameters:
         data: Dataset of the file.

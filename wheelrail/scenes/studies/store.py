@@ -52,7 +52,7 @@ class Store:
             file.unlink(missing_ok=True)
 
     def prune_run_data(self, results: Mapping[str, CaseResult]) -> str | None:
-        """Key of the run with the maximum peak pressure among those with data on disk; removes all other data.
+        """Key of the run with the maximum peak pressure among runs with data on disk; removes all other data.
 
         Parameters:
             results: by key.

@@ -45,7 +45,7 @@ KEY = re.compile(r"[^\s:=]*")
 def study_messages(
     error: Exception, locations: Mapping[str, str], *, file: Path, path: str | Path
 ) -> Iterator[tuple[str, bool]]:
-    """Lines of the error of a scene, each with whether it is about a value of the study.
+    """Lines of a scene's error, each with a flag for values set by the study.
 
     Parameters:
         error: of the scene.

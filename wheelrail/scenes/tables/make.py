@@ -46,7 +46,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class TableOrder:
-    """What to make a table of.
+    """Specification of a force table.
 
     Parameters:
         scene: of a wheelset or a run.
@@ -77,7 +77,7 @@ class TableOrder:
 
 @dataclass
 class TableWork:
-    """Solves tasks of one side in worker processes, those that are not stored yet.
+    """Solution of the missing tasks of one side in worker processes.
 
     Parameters:
         order: scene.
@@ -118,7 +118,7 @@ class TableWork:
 
 
 def make_table(order: TableOrder, out: Path) -> Dataset:
-    """Make a table and write it; the same call after an interruption continues.
+    """Compute a force table and write the file; the same call after an interruption continues.
 
     Parameters:
         order: what to make.

@@ -1,4 +1,4 @@
-"""Results of the tasks of a table, appended to a file as they end, so that an interrupted table can be resumed."""
+"""Results of table tasks, appended to a file on completion, so that an interrupted table can be resumed."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class TaskStore:
         return len(self._rows)
 
     def get(self, key: str) -> Rows | None:
-        """Rows of a task, None where it has not been solved."""
+        """Rows of a task, None if unsolved."""
         return self._rows.get(key)
 
     def save(self, key: str, rows: Rows) -> None:

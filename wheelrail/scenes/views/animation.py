@@ -36,7 +36,7 @@ BELOW, ABOVE = 0.06, 0.075  # m below and above the top of the rail, extent of t
 
 @dataclass(frozen=True)
 class RunBodies:
-    """Bodies that are drawn, of the left-hand side, and of the right-hand one where it differs.
+    """Bodies of the animation: left-hand side, and right-hand side if different.
 
     Parameters:
         wheel, rail: profiles, the rail inclined.
@@ -88,7 +88,7 @@ class Animated(Protocol):
 def write_frames(
     animation: Animated, file: Path, times: Sequence[float], fps: float, progress: Callable[[int, int], None] | None
 ) -> None:
-    """Draw frames and write them to a file.
+    """Draw the frames of an animation and write the file.
 
     Parameters:
         animation: of the run.
@@ -147,7 +147,7 @@ class Animation:
             self._close(pane, side)
 
     def show(self, time: float) -> None:
-        """Move bodies, forces and patches to the sample at a time, s, or after it."""
+        """Move bodies, forces and patches to the first sample at or after a time, s."""
         sample = self.data.isel(time=min(int(np.searchsorted(self.data["time"], time)), self.data.sizes["time"] - 1))
         y, z, roll, pitch, yaw = (float(sample[f"body_{name}"]) for name in ("y", "z", "roll", "pitch", "yaw"))
         scale, mounting, distance = self.scale, self.bodies.mounting, float(sample["distance"])

@@ -128,7 +128,7 @@ def pressure_surface(result: ContactResult, *, mirrored: bool = False) -> Any:
 
 
 def displaced_with(mesh: Any, body: Any, scale: float, offset_z: float = 0.0) -> Any:
-    """Surface displaced with the body below it, by interpolation from the six nearest points.
+    """Surface displaced with its body, by interpolation from the six nearest points.
 
     Parameters:
         mesh: surface, mm.

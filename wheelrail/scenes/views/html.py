@@ -67,7 +67,7 @@ def _with_lenses() -> None:
 
 @contextmanager
 def _without_downloads() -> Iterator[None]:
-    """Prevent the exporter from downloading the WebAssembly viewer, which these pages do not use."""
+    """Prevent the exporter from downloading the WebAssembly viewer, which is not needed."""
     name = "trame.widgets.vtklocal"
     module = sys.modules.get(name)
     sys.modules[name] = None  # type: ignore[assignment]

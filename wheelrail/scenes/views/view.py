@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ViewOptions:
-    """What a 3D view shows.
+    """Options of a 3D view.
 
     Parameters:
         title: of the view.
@@ -142,7 +142,7 @@ def side_fields(
     names: tuple[str, ...],
     report_progress: ReportProgress = lambda _: None,
 ) -> Iterator[tuple[str, bool, list[BodyFields]]]:
-    """Name of each body, whether it is the upper one, and its fields: whole, on the lateral and longitudinal cut.
+    """Name of each body, flag of the upper one, and its fields: whole, on the lateral and longitudinal cut.
 
     Parameters:
         scene: of the contact.
