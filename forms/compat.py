@@ -114,7 +114,7 @@ def quiet() -> Iterator[None]:
 
 
 def newton_base() -> Any:
-    """The C++ NewtonSolver with callbacks on PETSc objects (0.5 to 0.11), or where it is missing the same with SNES."""
+    """C++ NewtonSolver with callbacks on PETSc objects (0.5 to 0.11), or, if missing, an equivalent with SNES."""
     solver = getattr(getattr(getattr(dolfinx.cpp, "nls", None), "petsc", None), "NewtonSolver", None)
     return SnesNewton if solver is None else solver
 

@@ -226,7 +226,7 @@ def _number(value: float) -> str:
 
 
 def straight_line(names: Mapping[Expr, str], outputs: Sequence[tuple[Expr, Component]]) -> tuple[list[str], list[str]]:
-    """Assignments and the variables with the components of expressions (outputs) that they evaluate."""
+    """Straight-line code of expressions: assignments, and the variables that hold the output components."""
     code = StraightLine(names)
     results = [code.value(expression, component) for expression, component in outputs]
     return code.lines, results

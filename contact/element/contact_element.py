@@ -93,7 +93,7 @@ class ContactElement(Generic[S, K]):
         states: Sequence[S],
         given: Sequence[Mapping[K, ContactResult]],
     ) -> Iterator[tuple[int, K, Any]]:
-        """Index of the state, side and value of a function of states, a side and what is given of it for each state."""
+        """Index of the state, side and value of a function, for each state and side."""
         all_states = range(len(states))
         groups = [all_states] if self.contact.together else [[i] for i in all_states]
         keys = [(group, side) for side in self.sides for group in groups]
@@ -145,11 +145,11 @@ class ContactElement(Generic[S, K]):
         self._accepted, self._latest = self.guesses(state), None
 
     def state_of(self, results: Mapping[K, ContactResult]) -> ElementState[K]:
-        """The state of an element that has accepted these results."""
+        """State of an element after accepted results."""
         return ElementState({side: self.contact.warm_start(side, result) for side, result in results.items()})
 
     def guesses(self, state: ElementState[K]) -> dict[K, ContactResult]:
-        """Results of each side that stand for those of a state as initial guesses."""
+        """Initial guesses by side, from the warm starts of a state."""
         return {side: self.contact.guess(side, warm_start) for side, warm_start in state.warm_start.items()}
 
     def _solved(self, purpose: str) -> ElementSolution[S, K]:

@@ -131,7 +131,7 @@ def first_contacts(wheelset: RigidWheelset, state: WheelsetState) -> tuple[Wheel
 
 
 def contact_without_roll(wheelset: RigidWheelset, y: float) -> FirstContact:
-    """Contact point of the left wheel, lowered alone until it just touches, without roll and yaw.
+    """Contact point of the left wheel, lowered alone to first contact, without roll and yaw.
 
     Parameters:
         wheelset: rigid surfaces and mounting of the left-hand pair.

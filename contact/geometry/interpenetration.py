@@ -48,7 +48,7 @@ def profile_regions(
 
 
 def overlap(wheel: Profile, rail: Profile, radius: float, pose: Pose, lines: Lines) -> str:
-    """Text on an overlap whose regions are beyond what is solved; parameters as for `profile_regions`."""
+    """Message on interpenetration beyond the solved regions; parameters as for `profile_regions`."""
     names = wheel.name, rail.name
     return str(core_overlap(wheel.shape, rail.shape, radius, *pose.arrays, lines, *names))
 

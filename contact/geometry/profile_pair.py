@@ -166,7 +166,7 @@ class ProfilePair:
 
     @cached_property
     def rigid(self) -> RigidWheelRail:
-        """The surfaces as those of rigid bodies."""
+        """Rigid surfaces of the same profiles."""
         return RigidWheelRail(self.wheel, self.rail, self.radius)
 
     def _separated(self, pose: Pose) -> float:

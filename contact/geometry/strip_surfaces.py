@@ -39,7 +39,7 @@ class ProfileStrips:
 
     @cached_property
     def rigid(self) -> RigidWheelRail:
-        """The surfaces as those of rigid bodies."""
+        """Rigid surfaces of the same profiles."""
         return RigidWheelRail(self.wheel, self.rail, self.radius)
 
     def nearest(self, pose: Pose) -> tuple[float, float, float]:

@@ -43,7 +43,7 @@ class Pose:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Vector products (..., 3), bit for bit those of `numpy.cross`, which takes twice as long and more."""
+    """Vector products (..., 3), bitwise equal to `numpy.cross` in less than half the time."""
     if a.ndim == b.ndim == 1:  # numbers in place of arrays
         (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
         return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])

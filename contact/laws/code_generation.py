@@ -188,7 +188,7 @@ def pressure_source(law: NormalLaw) -> str:
 
 
 def _loop(name: str, names: dict[Expr, str], outputs: list[tuple[Expr, tuple[int, ...]]]) -> dict[str, str | list[str]]:
-    """Body of a loop, its results, and these as the entries of a row."""
+    """Loop body, its results, and the results as entries of a row."""
     from wheelrail.forms.pointwise import straight_line
 
     lines, values = straight_line(names, outputs)

@@ -54,7 +54,7 @@ class ContactLaws:
 
     @property
     def depend_on_slip(self) -> bool:
-        """Whether the friction bound, or regularised friction below it, depends on the slip."""
+        """Whether the friction bound, or regularised friction below the bound, depends on the slip."""
         return self.regularisation > 0 or self.pointwise_friction.depends_on_speed
 
     @property

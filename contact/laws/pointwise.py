@@ -154,7 +154,7 @@ def _check_friction(law: FrictionLaw, functions: FrictionFunctions) -> None:
 
 
 def is_shipped(law: object) -> bool:
-    """Whether a law belongs to this package, whose tests check it."""
+    """Whether a law belongs to this package and its tests."""
     return type(law).__module__.startswith("wheelrail.contact.laws.")
 
 

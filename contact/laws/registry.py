@@ -44,7 +44,7 @@ class InvalidLaw(ValueError):
 
 
 def allow(*modules: str) -> None:
-    """Allow laws of modules, importable or in the current folder, in this process and those that it starts."""
+    """Allow laws of modules, importable or in the current folder, in this process and its children."""
     os.environ[ALLOWED] = ",".join({**dict.fromkeys(_allowed()), **dict.fromkeys(modules)})
 
 

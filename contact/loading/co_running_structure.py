@@ -1,4 +1,4 @@
-"""Axle without mass, and under each wheel a track with mass that moves along with it.
+"""Massless axle, and under each wheel a co-running track with mass.
 
 The motions of the hubs follow the loads as in `wheelrail.contact.loading.quasi_static_structure`. Rails and sleepers
 have the equations of `wheelrail.contact.structure.ballast`, at discrete sleepers with mass and stiffness of the place.
@@ -103,7 +103,7 @@ class CoRunningStructure(Structure):
 
     @cached_property
     def _rates_slope(self) -> Array:
-        """Derivative (10, 10) of these by the distance along the track, 1/m."""
+        """Derivative (10, 10) of the rates by the distance along the track, 1/m."""
         return -np.linalg.solve(self._here("mass"), self._slope("mass") @ self._rates)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Contact of a wheelset whose hubs and rails have moved, for time integrations that know these motions."""
+"""Contact of a wheelset with given motions of hubs and rails, for time integrations with such states."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ MIRRORED_RAIL = np.array([-1.0, 1.0, -1.0])  # the same of a rail's
 
 @dataclass(frozen=True)
 class Flexibility:
-    """What lets the wheels move against the wheelset, and the rails against the track.
+    """Compliance of the hubs against the wheelset, and of the rails against the track.
 
     Parameters:
         hubs: compliance of the hubs, or of the rims that a host moves; None: a rigid axle.
@@ -201,8 +201,8 @@ class Trial:
 
     @cached_property
     def slopes(self) -> tuple[Array, Array]:
-        """Derivatives (2, 6, 27) of the wrenches and (18, 27) of the loads by the coordinates of the state, then by the
-        motions in its frame.
+        """Derivatives (2, 6, 27) of the wrenches and (18, 27) of the loads by the coordinates of the state, then the
+        motions.
         """
         wrenches, loads = np.zeros((2, 6, COLUMNS)), np.zeros((2, 9, COLUMNS))
         for index, (pair, wrench, result) in enumerate(zip(self.pairs, self.wrenches, self.results, strict=True)):
@@ -290,8 +290,8 @@ class FlexibleWheelset:
         return np.asarray(self.flexibility.unloaded + self.flexibility.matrix @ trial.loads)
 
     def _given_way(self, trial: Trial, loads: Loads) -> tuple[Trial, int]:
-        """Trial whose hubs and rails have given way to the loads of another one as far as those would move them, with
-        the wheels on their loads, and number of solves.
+        """Trial with hub and rail motions due to the loads of another trial, wheels on their loads, and number of
+        solves.
 
         A rigid wheelset may rest on a flange, rolled, where one whose wheels are pushed away rests on its treads. From
         the motions without loads Newton's method would have to pass the roll at which the wheel falls.
@@ -322,7 +322,7 @@ class FlexibleWheelset:
 
     @cached_property
     def _frame(self) -> Array:
-        """Motions (18, 18) in the frame of the wheelset by those relative to the line through the journals."""
+        """Transformation (18, 18) from motions relative to the line through the journals to the wheelset's frame."""
         frame = np.eye(18)
         if self.on_hubs:
             frame[:12, :12] = about_hubs_line(self.contact.mounting.wheel_y)

@@ -80,7 +80,7 @@ class Structure(ABC):
 
     @property
     def period(self) -> float:
-        """Distance m along the track after which it is the same again; infinite where it is the same everywhere."""
+        """Period of the track (sleeper spacing), m; infinite for a uniform track."""
         return min((rail.spacing for rail in self.pairs.flexibility.rails or ()), default=np.inf)
 
     def at(self, distance: float) -> Self:

@@ -197,8 +197,8 @@ def _find_depth(
 def _first_depth(
     contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...], load: float, expected: float
 ) -> tuple[float, int]:
-    """Initial depth m, and the number of solves that it took: with friction, of models that have a quicker one without,
-    the depth that carries the load there.
+    """Initial depth m, and number of solves: with friction, the depth for the load in a quicker frictionless model, if
+    any.
     """
     frictionless = contact.changed(lambda own: own.frictionless if isinstance(own, HasFrictionless) else own)
     if any(frictionless.of(side).model is not contact.of(side).model for side in sides):

@@ -16,7 +16,7 @@ DEGREE: dict[Bodies, int] = {"solid": 1, "waveguide": 2, "half-space": 0}
 
 
 class IncompatibleChoice(ValueError):
-    """A choice that is incompatible with the others.
+    """Choice incompatible with other choices of the discretisation.
 
     Parameters:
         key: the field of `Discretisation`.

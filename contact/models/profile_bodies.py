@@ -48,7 +48,7 @@ class ProfileBodies:
         return ProfileStrips(*self.profiles, self.radius)
 
     def _check_surfaces(self, how: Discretisation, half_length: float) -> None:
-        """Log the memory for compliances of surfaces of a half length [m] if it is large; raises TooLarge."""
+        """Log the memory of surface compliances for a half length [m] if large; raises TooLarge."""
         wheel_profile, rail_profile = self.profiles
         for body, outline, ends in (
             ("the wheel", wheel_outline(wheel_profile, self.radius), wheel_contact_range(wheel_profile)),

@@ -122,7 +122,7 @@ class QuadricBodies:
         return float(2.0 ** np.ceil(np.log2(WIDTH * max(self._expected[1]) / how.surface_size)))
 
     def _equal_or_not(self, make: Callable[[Material], Any]) -> tuple[Any, Any]:
-        """What is made for the material of each body, once where they are equal."""
+        """Values made from the material of each body, once for equal materials."""
         upper, lower = self.materials
         above = make(upper)
         return above, above if lower == upper else make(lower)

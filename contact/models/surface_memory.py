@@ -15,7 +15,7 @@ LARGE = 1.0  # GB, told before
 
 
 def check_surface(body: str, along: int, across: int, how: Discretisation) -> None:
-    """Log the memory for the compliance of a surface if it is large.
+    """Log the memory of a surface's compliance if large.
 
     Parameters:
         body: its name.

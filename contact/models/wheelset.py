@@ -36,7 +36,7 @@ class WheelsetContact(VehicleContact):
     right: WheelsetContact | None = None
 
     def of(self, side: Side) -> WheelsetContact:
-        """Contact whose model and mounting are those of a side."""
+        """Contact with the model and mounting of a side."""
         return self.right if side == "right" and self.right is not None else self
 
     def changed(self, change: Callable[[ContactModel], ContactModel]) -> WheelsetContact:
@@ -53,7 +53,7 @@ class WheelsetContact(VehicleContact):
         return all(getattr(self.of(side).model, "concurrent", True) for side in SIDES)
 
     def _together(self, side: Side) -> StandardContact | None:
-        """Model of a side, if it solves all wheels of one side in one call."""
+        """Model of a side, if able to solve all wheels of the side in one call."""
         model = self.of(side).model
         return model if isinstance(model, StandardContact) and model.together is not None else None
 

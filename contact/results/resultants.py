@@ -138,7 +138,7 @@ class FrictionalWork:
 
 
 def rows_of_points(place: Array) -> int:
-    """Number of rows of a grid across a patch, or of points in the longest of them where these are fewer.
+    """Number of rows of a grid across a patch, or of points in the longest row if smaller.
 
     place: (n,) m, lateral places of its points on the wheel, the same within a row.
     """
@@ -147,7 +147,7 @@ def rows_of_points(place: Array) -> int:
 
 
 def connected(nodes: Nodes, loaded: Mask, grid: tuple[int, int]) -> Nodes:
-    """Patch (n,) of nodes (n,) on a grid of a shape, -1 where they are not loaded."""
+    """Patch number (n,) of nodes (n,) on a grid of a shape, -1 where unloaded."""
     patch = np.full(len(nodes), -1)
     patch[loaded] = components(nodes[loaded], grid)
     return patch

@@ -61,7 +61,7 @@ class StateContact(Protocol[S, K]):
         return False
 
     def solve_side(self, states: Sequence[S], side: K, guesses: Sequence[ContactResult | None]) -> list[ContactResult]:
-        """Results of one side at several states, such as those of all wheelsets of a vehicle.
+        """Results of one side at several states, such as the states of all wheelsets of a vehicle.
 
         Parameters:
             states: positions and velocities.

@@ -67,7 +67,7 @@ class SolverCache:
         self._linearisation: SlipLinearisation | None = None
 
     def linearised_for(self, active: Mask, loaded: Mask) -> SlipLinearisation | None:
-        """The linearisation for these active points (n,) and points that may carry traction (n,), or None."""
+        """Linearisation for given active points (n,) and points that may carry traction (n,), or None."""
         return self._linearisation if self._points == _key(active, loaded) else None
 
     def store(self, active: Mask, loaded: Mask, linearisation: SlipLinearisation) -> None:

@@ -109,7 +109,7 @@ class LoadedBody:
         return cls(Pose(np.zeros(3), UPSIDE_DOWN if upper else np.eye(3)), upper, partial(_block, steel))
 
     def below(self, result: ContactResult, depths: Array, *, tolerance: float = 1e-2) -> SubsurfaceStress:
-        """Stress below every patch by the tractions on all of them.
+        """Stress below every patch by the tractions of all patches.
 
         Parameters:
             result: of the pair.

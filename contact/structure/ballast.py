@@ -203,7 +203,7 @@ class CoRunningTrack:
         return self.pad_time * self.pads + self.ballast_time * self.ballast
 
     def receptance(self, frequency: complex) -> NDArray[np.complex128]:
-        """Motion (3, 3) of the rail by harmonic loads on it, proportional to exp(2 pi i f t); frequency: f, Hz."""
+        """Receptance (3, 3) of the rail for harmonic loads proportional to exp(2 pi i f t); frequency: f, Hz."""
         omega = 2.0 * np.pi * frequency
         dynamic = self.stiffness + 1j * omega * self.damping - omega**2 * self.mass
         return np.asarray(np.linalg.inv(dynamic)[:3, :3])

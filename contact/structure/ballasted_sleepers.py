@@ -95,14 +95,14 @@ def loaded_tracks(span: Span, places: Array, spread: Array) -> list[LoadedTrack]
 
 
 def rail_inertia(waves: FloquetWaves) -> Array:
-    """Integrals (p, 3, 3) over a section, at these wavenumbers, of density and products of the rail's displacements."""
+    """Section integrals (p, 3, 3) of density times products of the rail's displacements, summed over wavenumbers."""
     loads = np.einsum("pj,ab->pjab", waves.phase, np.eye(3))
     amplitudes = np.concatenate([waves.forces, loads], axis=2)
     return np.asarray(np.einsum("pjma,jmn,pjnb->pab", amplitudes.conj(), waves.inertia, amplitudes).real)
 
 
 def pad_strain(span: Span, waves: FloquetWaves) -> Array:
-    """Products (p, 3, 3), at these wavenumbers, of the foot's displacements with the stiffness of discrete pads."""
+    """Products (p, 3, 3) of the foot's displacements with the stiffness of discrete pads, summed over wavenumbers."""
     discrete = span.discrete(waves.phase.shape[1])
     forces = np.einsum("jl,mn,plnb->pjmb", discrete, span.support.stiffness, waves.motions)
     return np.asarray(np.einsum("pjma,pjmb->pab", waves.motions.conj(), forces).real)

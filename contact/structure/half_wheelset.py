@@ -91,7 +91,7 @@ class HalfWheelset:
 
     @cached_property
     def seat(self) -> tuple[Nodes, Array]:
-        """Nodes of the seat in order, and their weights m in integrals along it."""
+        """Nodes of the seat in order, and their integration weights m along the seat."""
         bore = self.whole.section.points[self.whole.section.clamped]
         return self._on_cylinder(float(bore[0, 1]), float(bore[:, 0].min()), float(bore[:, 0].max()))
 

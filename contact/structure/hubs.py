@@ -86,7 +86,7 @@ class HubCompliance:
 
 
 def about_hubs_line(wheel_y: float) -> Array:
-    """Motions (12, 12) of both hubs relative to the line through them by those relative to any other line.
+    """Transformation (12, 12) of hub motions relative to any line into motions relative to the line through both hubs.
 
     What is taken out are x, z, roll and yaw of the line and the mean of y. Parameters: wheel_y: m, y of the left hub.
     """

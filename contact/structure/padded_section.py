@@ -75,8 +75,8 @@ class PaddedSection(WaveguideSection):
         return sp.csr_array((values, columns, pointer), shape=(3 * len(self.points),) * 2)
 
     def foot_modes(self, degree: int) -> tuple[Array, Array]:
-        """Motions (3 n, m) of the foot, polynomials over its width along x, across and normal to it; and their sign
-        (m,) when the wavenumber changes its own.
+        """Motions (3 n, m) of the foot, polynomials over its width along x, across and normal; parity (m,) in the
+        wavenumber.
         """
         first, last = self.foot
         width = float(np.hypot(*(last - first)))

@@ -116,7 +116,7 @@ def rail_strip(outline: Outline) -> Strip:
 
 
 def rail_key(kind: str, outline: Outline, steel: Material, pads: RailPads, **further: Any) -> str:
-    """Cache key of what is computed by wavenumbers on the section of a rail on pads; further: other inputs by name."""
+    """Cache key of a wavenumber computation on the section of a rail on pads; further: other inputs by name."""
     return digest(
         kind=kind,
         section=body_key("rail section", outline, rail_strip(outline), 0.0, "tetrahedron", GRADING),

@@ -1,4 +1,4 @@
-"""Mean motion of a rail's section, which a host with its own track knows, and the local part that is left of it.
+"""Rail compliance without the mean motion of the section, for hosts that model the track themselves.
 
 With the motion m = D^T u of a section averaged with its mass, loads D spread likewise and rigid motions T of the
 surface, the local flexibility of the surface at a wavenumber is

@@ -47,7 +47,7 @@ HARMONICS = 12  # of the compliance over a span; the last ones are below 1e-4 of
 
 @dataclass(frozen=True)
 class SpreadSupport:
-    """Foot of a rail on pads spread along it, at given wavenumbers k >= 0.
+    """Foot of a rail on pads spread along the rail, at given wavenumbers k >= 0.
 
     Parameters:
         k: (n,) 1/m, the first zero.
@@ -141,7 +141,7 @@ class Span:
         return 0.5 * self.spacing * np.linspace(0.0, 1.0, count + 1)
 
     def compliance(self, places: Array) -> Array:
-        """What discrete sleepers add (p, 3, 3), m/N, to the compliance under loads at places (p,) m from a sleeper."""
+        """Compliance (p, 3, 3), m/N, added by discrete sleepers under loads at places (p,) m from a sleeper."""
         added = np.zeros((len(places), 3, 3))
         for waves in self.waves(places):
             at_load = np.einsum("pj,jma,pjmb->pab", waves.phase.conj(), waves.by_load, waves.forces).real
@@ -218,7 +218,7 @@ def checked_length(length: float, pads: RailPads) -> float:
 
 
 def spread_support(outline: Outline, steel: Material, pads: RailPads) -> SpreadSupport:
-    """Foot of a rail on pads that are spread along it, from the cache or by 2.5D finite elements over wavenumbers."""
+    """Foot of a rail on continuously spread pads, from the cache or by 2.5D finite elements over wavenumbers."""
     names = ("stiffness", "compliance", "by_load", "inertia", "odd", "seat")
     key = rail_key("foot of a rail", outline, steel, pads, degree=DEGREE, density=DENSITY)
     stored = cached(f"pads/{key}", lambda: _by_wavenumbers(outline, steel, pads), names)

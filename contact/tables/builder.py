@@ -28,7 +28,7 @@ ROUNDS, MARGIN = 5, 0.9  # of tests; threshold of the next one, over that in pro
 
 
 class NoSolution(RuntimeError):
-    """The contact model fails too often to make a table of it."""
+    """Contact model with too many failures for a table."""
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ class TableBuilder:
 
 
 def completed(rows: Array, nodes: Array) -> Array:
-    """Rows (n, m) with those that are NaN, where the model failed, interpolated between their neighbours.
+    """Rows (n, m) with failed solves, NaN, interpolated between their neighbours.
 
     Parameters:
         rows: values at n nodes.

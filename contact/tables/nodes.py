@@ -1,4 +1,4 @@
-"""Nodes of the axes of a table, refined where the interpolation between them is wrong."""
+"""Nodes of the axes of a table, refined by the interpolation error."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FINEST = 512  # smallest interval: this part of the axis
 
 @dataclass(frozen=True)
 class Trial:
-    """A point between two nodes of one axis, at nodes of all others.
+    """Test point between two nodes of one axis, at nodes of all other axes.
 
     Parameters:
         axis: name.
@@ -83,7 +83,7 @@ class Nodes:
         return bool(new)
 
     def _intervals(self, axis: str) -> Iterator[tuple[float, float, float]]:
-        """Ends of the intervals of an axis, and where they are tested."""
+        """Ends and test point of each interval of an axis."""
         nodes = self.axes[axis].tolist()
         if len(nodes) > 1:
             yield from ((low, high, 0.5 * (low + high)) for low, high in pairwise(nodes))

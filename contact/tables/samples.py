@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class TableContactPoint:
-    """Contact without friction at a position, as a table has it.
+    """Frictionless contact at a position, as tabulated.
 
     Parameters:
         position: y, z, roll, yaw of the tread.

@@ -1,4 +1,4 @@
-"""Closed cross-sections of wheel, rail and block, their triangulation, and solids extruded or revolved from them."""
+"""Closed cross-sections of wheel, rail and block, their triangulation, and solids by extrusion or revolution."""
 
 import lazy_loader
 

@@ -74,7 +74,7 @@ class AxleShape:
         return 0.5 * diameter
 
     def polygon(self, seat: tuple[float, float]) -> Array:
-        """Corners (n, 2) m of the half section in (y, r), with the ends of seat and journal (m) among them."""
+        """Corners (n, 2) m of the half section in (y, r), including the ends of seat and journal (m)."""
         hole = max(0.5 * self.bore, AXIS)
         corners, low = [(0.0, hole)], 0.0
         for high, diameter in self.steps:

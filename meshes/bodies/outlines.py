@@ -228,7 +228,7 @@ def _end(profile: Profile, corner: Array, side: int, chord_error: float) -> tupl
 
 
 def _joined(boundary: Array, first: Array, last: Array) -> tuple[Array, int]:
-    """The boundary between the profile's ends, without corners next to them; number of corners removed at its start."""
+    """Boundary between the profile's ends, without corners next to an end; number of corners removed at its start."""
     near_first = np.hypot(*(boundary - first).T) < SNAP
     near_last = np.hypot(*(boundary - last).T) < SNAP
     kept = boundary[~near_first & ~near_last]

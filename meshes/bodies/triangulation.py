@@ -114,7 +114,7 @@ def triangulate_parts(
 
 
 def part_of(mesh: SectionMesh, cells: Mask) -> SectionMesh:
-    """Mesh of some cells (m,) of a mesh, among them those at its contact surface."""
+    """Mesh of some cells (m,) of a mesh, including all cells at its contact surface."""
     used = np.unique(mesh.cells[cells])
     new = np.full(len(mesh.points), -1, dtype=np.int64)
     new[used] = np.arange(len(used))
@@ -141,7 +141,7 @@ def _gmsh_model() -> Iterator[Any]:
 
 
 def _polygon(gmsh: Any, corners: Array) -> tuple[list[int], list[int]]:
-    """A face with these corners (n, 2): its points, and its lines from each of them to the next."""
+    """Polygonal face with corners (n, 2): its points, and its lines from each of them to the next."""
     geo, n = gmsh.model.geo, len(corners)
     points = [geo.addPoint(x, y, 0.0) for x, y in corners]
     lines = [geo.addLine(points[i], points[(i + 1) % n]) for i in range(n)]
@@ -208,7 +208,7 @@ def _along_surface(gmsh: Any, points: list[int], lines: list[int], quadrilateral
 
 
 def _compact(xy: Array, cells: Nodes, surface_nodes: Nodes, is_clamped: Mask, surface: Array) -> SectionMesh:
-    """Number the surface nodes first, in order, and set them to their exact positions."""
+    """Mesh with the surface nodes numbered first, in order, at their exact positions."""
     used = np.unique(cells)
     order = np.concatenate([surface_nodes, np.setdiff1d(used, surface_nodes)])
     new = np.full(len(xy), -1, dtype=np.int64)

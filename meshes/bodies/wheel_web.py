@@ -81,7 +81,7 @@ class WheelShape:
 
 
 def rounded(corners: Array, radii: Array, *, chord_error: float = CHORD_ERROR) -> Array:
-    """Polyline through corners (n, 2) m, those with a radius replaced by chords of the arc tangent to both sides.
+    """Polyline through corners (n, 2) m, rounded by chords of arcs tangent to both sides.
 
     Parameters:
         corners: (n, 2) m; both ends are kept.

@@ -85,7 +85,7 @@ def _step_slope(x: Array) -> Array:
 def bridged(
     first: CurveSegment, second: CurveSegment, before: float, after: float
 ) -> tuple[CurveSegment, CurveSegment]:
-    """Both sections with the small gap between them closed by a smooth step.
+    """Both sections, with the small gap between closed by a smooth step.
 
     Parameters:
         first, second: sections.

@@ -1,4 +1,4 @@
-"""Splines through measured points of a profile, and smoothing splines near them."""
+"""Interpolating and smoothing splines of measured profile points."""
 
 from __future__ import annotations
 

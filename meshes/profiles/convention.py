@@ -110,7 +110,7 @@ def _flange(points: Array) -> tuple[int, int]:
 
 
 def _head(points: Array) -> tuple[int, int]:
-    """Sign of z for which a rail's top is up, 0 where the shape does not show it; and 0, as y is not shown.
+    """Sign of z with the rail's top up, 0 where the shape leaves the sign open; and 0, as y is not shown.
 
     The top is wide, or with the foot the narrower of both ends.
     """

@@ -242,7 +242,7 @@ def _first_word(entry: tuple[int, str]) -> tuple[int, list[str]]:
 
 
 def _unit(path: Path, lines: list[tuple[int, str]], table: TextTable, values: Array) -> tuple[str, bool]:
-    """Unit of the points, and whether the file declares it: in a line before them, in a column's title, or by size.
+    """Unit of the points, and whether declared by the file: in a line before them, in a column's title, or by size.
 
     Raises ProfileError for an unknown unit, one after the first point, and for a declared one that fits no profile.
     """

@@ -38,7 +38,7 @@ def load_profile(name: str | Path, kind: Kind, **options: Any) -> Profile:
 
 @lru_cache(maxsize=16)
 def _from_file(name: str | Path, kind: Kind, reading: Reading, stamp: tuple[int, ...]) -> Profile:
-    """Cached by the file's stamp, as profiles are read both to check a scene and to use it."""
+    """Profile from a file, cached by the file's stamp for both check and use of a scene."""
     from wheelrail.meshes.profiles.reader import read_profile
 
     return read_profile(name, kind, **vars(reading))

@@ -22,7 +22,7 @@ NORMAL_QUANTILE = 0.6745, 1.6449  # 50 % and 90 % quantiles of the absolute valu
 
 @dataclass(frozen=True)
 class Measurement:
-    """Points of a profile file, and the error of the curve near them.
+    """Points of a profile file, and the error of the fitted curve.
 
     Parameters:
         place: file, and line of the first point.
@@ -69,7 +69,7 @@ class Measurement:
 
     @property
     def advice(self) -> str:
-        """What to do about too large an error."""
+        """Advice on reducing the error of the curve."""
         if self.smoothed_error < min(self.slope_error, _slope(LARGEST)):
             return f"noise = {self.noise:.1g} (m), or no value for the estimated noise"
         return (

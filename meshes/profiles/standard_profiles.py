@@ -81,7 +81,7 @@ def _circle(y: float, z: float, radius: float, start: float, stop: float) -> Cur
 
 
 def _root() -> CurveSegment:
-    """Section D, the lower arc of 13 mm in the flange root, as a graph so that it can be bridged to a polynomial."""
+    """Section D, the lower arc of 13 mm in the flange root, as a graph for a bridge to a polynomial."""
     centre, radius = -26.210665 * MM, 13.0 * MM
 
     def z(y: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Rows of numbers in a text, whatever separates its cells and marks its decimals, with the text around them."""
+"""Rows of numbers in a text, with any cell separator and decimal mark, and the surrounding text."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ MOST_MENDED = 3, 0.01  # points, and part of the points, that may be out of line
 
 
 def cleaned(raw: RawProfile) -> RawProfile:
-    """Points without missing values, repetitions, and numbers of a text before or after them.
+    """Points without missing values, repetitions, and numbers of preceding or following text.
 
     Raises ProfileError for too few or too many points, and for values that are no coordinates.
     """
@@ -59,7 +59,7 @@ def cleaned(raw: RawProfile) -> RawProfile:
 
 
 def checked(raw: RawProfile, kind: Kind) -> RawProfile:
-    """Points in order and at least CLOSE apart, without those out of line and those that turn back beyond the ends.
+    """Points in order, at least CLOSE apart, without outliers and without reversals beyond the ends.
 
     Raises ProfileError for a wrong size, wrong order or self-intersection.
     """
@@ -139,7 +139,7 @@ def _in_line(raw: RawProfile) -> RawProfile:
 
 
 def _without_turns(raw: RawProfile, kind: Kind) -> RawProfile:
-    """Points between the places where the faces of a rail's head or a wheel's rim turn back below or beyond it."""
+    """Points between the reversals of the faces of a rail's head or a wheel's rim."""
     y, z = raw.points.T
     top, back = int(np.argmax(z)), _steps_back(raw.points, CLOSE)
     step = np.hypot(*np.diff(raw.points, axis=0).T)

@@ -150,7 +150,7 @@ def _integral(distance: Array, signal: Array, ends: Array) -> Array:
 
 
 def instability(distance: Array, shifting: Array) -> tuple[float, float]:
-    """Largest rms, N, over 100 m of the sum of Y within 2 Hz of its main frequency, and the middle of these 100 m; NaN
+    """Largest rms, N, over 100 m of the sum of Y within 2 Hz of its main frequency, and the middle of this window; NaN
     for less than 100 m.
 
     Parameters:

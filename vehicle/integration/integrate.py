@@ -263,7 +263,7 @@ def _method(
 def _initial(
     rhs: RightHandSide[E], t: float, x: Array, settings: StepSettings, first: FirstStep[E], counts: StepStatistics
 ) -> tuple[E, float, float]:
-    """Evaluation at the initial state, length of the first step, and error of the step before it."""
+    """Evaluation at the initial state, length of the first step, and error of the preceding step."""
     start, length = first.evaluation, first.length
     if start is None:
         counts.evaluations += 1

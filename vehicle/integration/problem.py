@@ -20,8 +20,8 @@ class HasRate(Protocol):
 
 
 class HasDerivatives(Protocol):
-    """Derivatives of the rate with respect to the state (n, n) and time (n,), exact or approximate, and those (o, n) of
-    quantities whose errors count as those of the state do, such as forces; None: of none.
+    """Derivatives of the rate by state (n, n) and time (n,), exact or approximate, and of outputs under error control
+    (o, n), such as forces; None: no outputs.
     """
 
     @property

@@ -28,8 +28,8 @@ DAMPED = 3  # times that stiff parts of changes within a step are reduced: other
 
 @dataclass(frozen=True)
 class RosenbrockCoefficients:
-    """Stages k_i = f(t + a_i h, x + h sum_j<i a_ij k_j) + h A sum_j<=i g_ij k_j + h g_i f_t, with any approximation A
-    of the Jacobian; solution x + h b.k.
+    """Coefficients of k_i = f(t + a_i h, x + h sum_j<i a_ij k_j) + h A sum_j<=i g_ij k_j + h g_i f_t; solution x + h
+    b.k; A: any approximation of the Jacobian.
 
     Parameters:
         name: of the method.
@@ -68,7 +68,7 @@ class RosenbrockCoefficients:
 
     @cached_property
     def repeats(self) -> tuple[bool, ...]:
-        """Whether a stage has the state of the one before it, and needs no evaluation of its own."""
+        """Whether each stage has the state of its predecessor, and needs no evaluation."""
         return (False, *(after == (*before, 0.0) for before, after in pairwise([(), *self.alpha])))
 
     @cached_property
@@ -224,7 +224,7 @@ class LastStage:
 
 @dataclass
 class RosenbrockW(Generic[E]):
-    """`StepMethod` with s solves of one factorised matrix 1/(h g) - A in the unknowns u = h gamma k (Hairer and Wanner,
+    """`StepMethod`: s solves of one factorised matrix 1/(h g) - A in the unknowns u = h gamma k (Hairer and Wanner,
     Solving ODEs II, section IV.7). The Jacobian is reused when a step is repeated with another length.
 
     Parameters:

@@ -69,7 +69,7 @@ class AppliedLoads:
 
     @cached_property
     def tables(self) -> tuple[LoadTable, ...]:
-        """Those of the torques, then the three of each force."""
+        """Tables of the torques, then three of each force."""
         torques = (LoadTable.of(part.torque) for part in self.torques)
         return (*torques, *(table for part in self.forces for table in part.components))
 

@@ -62,7 +62,7 @@ class AppliedForces:
 
     @property
     def release(self) -> float:
-        """Rate of rotation, rad/s, below which the torque of a friction brake falls with it to zero."""
+        """Rate of rotation, rad/s, below which the torque of a friction brake decreases linearly to zero."""
         return LOCKED / self.coordinates.vehicle.radius
 
     @cached_property

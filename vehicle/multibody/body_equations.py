@@ -118,8 +118,8 @@ class BodyEquations:
         return values[:, 0], values[:, 2]
 
     def motions(self, travel: TrackPosition, state: Array) -> tuple[Array, Array]:
-        """Position m, velocity m/s, three axes and their angular velocity rad/s (n, 6, 3) of the bodies, and force N
-        and moment N m (n, 2, 3) of suspension, loads and speed hold about their centres, all in common axes.
+        """Position m, velocity m/s, axes and angular velocity rad/s (n, 6, 3) of bodies. Force N and moment N m (n, 2,
+        3) of suspension, loads and speed hold about their centres; all in common axes.
 
         Parameters:
             travel: reference motion along the track.
@@ -147,7 +147,7 @@ class BodyEquations:
         return self.coordinates.within_all[self.coordinates.count :] - self.coordinates.held.size
 
     def _in_components(self, rates: Array) -> Array:
-        """Rates (..., c + m) with those of the springs of Maxwell elements as components of the state."""
+        """Rates (..., c + m) with the rates of Maxwell springs as components of the state."""
         if self.coordinates.maxwell:
             springs = rates[..., self.coordinates.count :]
             rates[..., self.coordinates.count :] = springs @ self.coordinates.from_series.T

@@ -306,8 +306,8 @@ class VehicleDynamics:
         return self.bodies.accelerations(travel, state, wrenches, self.bodies.sections(travel, state))
 
     def yaw_reactions(self, time: float, state: Array, wrenches: Array) -> Array:
-        """Moments (w,) N m about the normal of the track of the constraints that hold the yaw of the wheelsets, zero
-        where it is free; parameters as for `accelerations`.
+        """Moments (w,) N m, about the track normal, of the yaw constraints of wheelsets, zero where free; parameters as
+        for `accelerations`.
         """
         own = self.coordinates.wheelset_bodies
         reactions = self.accelerations(time, state, wrenches).reactions[own, YAW] * self.coordinates.held[own, YAW]

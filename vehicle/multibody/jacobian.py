@@ -189,8 +189,8 @@ class VehicleJacobian:
 
     @cached_property
     def _columns(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
-        """Indices in the state of coordinates and motions of each wheelset and of its speed, and of their columns in
-        the tangents, without those that are held.
+        """Indices of each wheelset's free coordinates, motions and speed in the state, and of their columns in the
+        tangents.
         """
         d = self.dynamics
         places, total = self._places, d.coordinates.held.size
@@ -213,8 +213,8 @@ class VehicleJacobian:
         return [self.dynamics.coordinates.of_body(body) for body in self.dynamics.coordinates.wheelset_bodies.tolist()]
 
     def tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> ContactTangents:
-        """Derivatives of force and moment of each wheel by the wheelset's coordinates, the motions of its hubs and
-        rails if these move, and the speed.
+        """Derivatives of each wheel's force and moment by the wheelset's coordinates, moving hubs and rails, and the
+        speed.
 
         With friction that does not depend on speed, forces depend on the ratio of all rates, that of the track frame
         included, to the speed V: dF/dV = -sum(rate dF/drate) / V. Raises StepFailure where hubs and rails move and the
@@ -244,7 +244,7 @@ class VehicleJacobian:
         return tangents if np.isfinite(tangents).all() else None
 
     def _differences(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
-        """Tangents (w, 2, 6, 9) by differences, those of an earlier call as long as they may be reused."""
+        """Tangents (w, 2, 6, 9) by differences, reused from an earlier call where allowed."""
         self.differences = renewed(self.differences, lambda: self._differentiated(states, contacts))
         return self.differences.tangents
 
@@ -262,7 +262,7 @@ class VehicleJacobian:
         return result
 
     def _difference(self, name: str, state: WheelsetState, contacts: WheelContacts, key: str, step: float) -> Array:
-        """Derivatives (2, 6) of force and moment of each wheel of a wheelset by a coordinate, from a step of it."""
+        """Derivatives (2, 6) of force and moment of each wheel of a wheelset by a coordinate, by finite differences."""
         plus = self._perturbed(name, state, contacts, key, step)
         if not self.central and key not in ODD:
             return np.asarray((plus - side_wrenches(contacts[name])) / step)

@@ -37,7 +37,7 @@ class ContactCost:
 
 
 class CountedContact(WrappedContact):
-    """Contact model that counts and times the calls to the model it wraps.
+    """Contact model that counts and times the calls to a wrapped model.
 
     Parameters:
         contact: the wrapped model.

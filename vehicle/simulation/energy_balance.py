@@ -87,8 +87,7 @@ def energy_balance(history: History) -> EnergyBalance:
 
 
 def _of_structures(history: History, structure: Structure) -> Array:
-    """Elastic energy J of axles and rails, power W that the contacts supply to them, and that their dampers dissipate,
-    (3, n).
+    """Elastic energy J of axles and rails, power W supplied by the contacts, and power W dissipated by dampers, (3, n).
 
     Rates are those of a cubic spline through the samples: in those of the equations of motion, a small difference over
     a short time constant, the errors of the motions are a hundred times larger.

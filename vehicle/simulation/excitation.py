@@ -1,4 +1,4 @@
-"""What a run prescribes over time and distance, and the longest step that resolves it."""
+"""Prescribed excitation of a run over time and distance, and the longest step that resolves all functions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SHORTEST = 1e-9  # s
 
 @dataclass(frozen=True)
 class Overlooked:
-    """Displacements, by what is prescribed, that a step may overlook: their size, rate, and the force that they cause.
+    """Prescribed displacements that a step may overlook: their size, rate, and the force that they cause.
 
     Parameters:
         value: m.
@@ -53,7 +53,7 @@ class Overlooked:
 
 @dataclass(frozen=True)
 class Prescribed:
-    """Functions of distance or time, of which those of distance act at places that move with the vehicle.
+    """Prescribed functions of time, or of distance at places that move with the vehicle.
 
     Parameters:
         functions: k displacements, m.
@@ -84,7 +84,7 @@ class Prescribed:
 
 @dataclass(frozen=True)
 class Excitation:
-    """Motion of the track under a vehicle, its reference motion, and loads over distance, as a step sees them.
+    """Excitation of a vehicle by track motion, reference motion and loads over distance, and its resolution by a step.
 
     Parameters:
         dynamics: equations of motion.
@@ -134,8 +134,8 @@ class Excitation:
         return None if profile.constant else Prescribed(_distance(profile), np.zeros(1))
 
     def longest_step(self, time: float, state: Array, at: VehicleEvaluation, step: float) -> float:
-        """Longest step s, but for a third, that resolves all functions and is not longer than a given one, nor on
-        discrete sleepers than a third of the time from one to the next.
+        """Longest step s, but for a third, that resolves all functions, at most the given step; on discrete sleepers,
+        also at most a third of the time from one to the next.
 
         Parameters:
             time: s.

@@ -122,8 +122,8 @@ class History:
         return parts
 
     def applied(self) -> tuple[Array, Array]:
-        """Torques (n, w) N m on the wheelsets about their axles, and forces (n, b, 3) N on the bodies along the axes of
-        the track sections there.
+        """Torques (n, w) N m on wheelsets about their axles, and forces (n, b, 3) N on bodies in axes of the local
+        track section.
         """
         d = self.dynamics
         torque, force = np.zeros((len(self), len(d.vehicle.names))), np.zeros((len(self), len(d.vehicle.names), 3))

@@ -78,8 +78,8 @@ LIMITS = Limits()
 
 
 def wheels(dynamics: VehicleDynamics, states: Mapping[str, WheelsetState]) -> dict[str, list[tuple[float, float]]]:
-    """Shift to the left and lift, m, of the lowest points of the left and the right rolling circle of each wheelset
-    relative to their nominal position on the rails, in states of the wheelsets.
+    """Lateral shift (to the left) and lift, m, of the lowest points of each wheelset's rolling circles, relative to
+    nominal.
     """
     half_base, radius = 0.5 * dynamics.track.base, dynamics.vehicle.radius
     result = {}

@@ -83,7 +83,7 @@ class RailFollowing:
 
     @cached_property
     def _indices(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Indices in the state of the heights, then the rolls, of the wheelsets, and which of these 2 w are free."""
+        """State indices of free heights, then rolls, of the wheelsets, and their numbers among all 2 w."""
         coordinates = self.dynamics.coordinates
         places = {full: i for i, full in enumerate(coordinates.free.tolist())}
         indices = [places.get(6 * i + k, -1) for k in (Z, ROLL) for i in coordinates.wheelset_bodies.tolist()]

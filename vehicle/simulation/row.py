@@ -42,7 +42,7 @@ class Row:
         )
 
     def is_valid(self, shape: tuple[int, ...]) -> bool:
-        """Whether the values, of any type when they are read from a file, are those of a run; shape: of a state."""
+        """Whether the values, of any type when read from a file, form a row of a run; shape: of a state."""
         count = np.shape(self.force)[:1]
         return (
             is_array(self.state, shape)

@@ -16,7 +16,7 @@ DIRECTIONS = dict(
 
 
 def require_held(vehicle: Vehicle) -> None:
-    """Raises InvalidVehicle naming a body that nothing holds in place, and a direction in which it is free.
+    """Raise InvalidVehicle for a body free to move, naming the body and a direction.
 
     Parameters:
         vehicle: of which rails hold the wheelsets but for x, and a speed hold the heaviest body along the track.

@@ -98,7 +98,7 @@ def _loads(contacts: WheelContacts) -> Array:
 
 
 def above_one_another(dynamics: VehicleDynamics) -> Array:
-    """State (2 c + m + w k,) with bodies at their nominal heights, in a curve above those that carry them.
+    """State (2 c + m + w k,) with bodies at their nominal heights, in a curve centred above their supporting bodies.
 
     In a curve of curvature k a body that is carried at a distance a before and behind its centre is k a^2 / 2 inwards
     of its own section's centre line.
@@ -121,7 +121,7 @@ def above_one_another(dynamics: VehicleDynamics) -> Array:
 
 
 def _carried_offset(dynamics: VehicleDynamics, name: str, offset: dict[str, float], curvature: float) -> float:
-    """Lateral position m of a body at which it stands above the bodies that carry it, on average over its elements."""
+    """Lateral position m of a body centred above its supporting bodies, on average over its elements."""
     bodies = dynamics.vehicle.bodies
     values = []
     for part in dynamics.vehicle.elements.values():

@@ -43,8 +43,7 @@ class Irregularities:
 
     @classmethod
     def faded(cls, stations: Array, values: Array, *, start: float = 0.0, fade: float = 10.0) -> Irregularities:
-        """Irregularities multiplied by a weight that rises from 0 to 1 after the start and returns to 0 before the last
-        station, so that a run starts in equilibrium.
+        """Irregularities faded in after the start and out before the last station, so that a run starts in equilibrium.
 
         Parameters:
             stations, values: as of the class.

@@ -13,7 +13,7 @@ from wheelrail.support.arrays import Array
 
 @dataclass(frozen=True)
 class ForceLaw:
-    """Force over deflection (spring) or velocity (damper), linear between points and extrapolated beyond them.
+    """Force over deflection (spring) or velocity (damper), piecewise linear with linear extrapolation.
 
     Parameters:
         points: (n, 2), n >= 2: deflection m (velocity m/s), strictly increasing, and force N, not decreasing; one point

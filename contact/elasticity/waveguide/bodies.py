@@ -238,7 +238,7 @@ def _profiled(
 
 
 def _finest(spacing: float, step: float) -> float:
-    """The spacing m, halved until it does not exceed the step m, so that steps of many lengths share a spectrum."""
+    """Spacing m, halved until at most the step m, so that steps of many lengths share a spectrum."""
     return float(spacing * 2.0 ** min(0.0, np.floor(np.log2(step / spacing) + 1e-9)))
 
 

@@ -22,7 +22,7 @@ LEAF = 24  # nodes not divided further: dense blocks of about 70 unknowns
 
 @dataclass(frozen=True)
 class Front:
-    """Dense block of the unknowns to eliminate and those coupled to them.
+    """Frontal matrix: dense block of the unknowns to eliminate and of their coupled unknowns.
 
     Parameters:
         count: unknowns to eliminate, the first ones.
@@ -212,7 +212,7 @@ def _fronts(
 
 
 def _ranges(places: Nodes, block: int) -> tuple[tuple[slice, slice], ...]:
-    """Ranges of unknowns of consecutive nodes whose places are consecutive, too, and those of their places."""
+    """Ranges of unknowns of consecutive nodes with consecutive positions, and the corresponding ranges of positions."""
     ends = np.flatnonzero(np.diff(places) != 1) + 1
     return tuple(
         (slice(block * a, block * b), slice(block * places[a], block * (places[b - 1] + 1)))

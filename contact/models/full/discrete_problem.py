@@ -34,7 +34,7 @@ def extended(operators: ContactOperators, body: ElasticBody) -> tuple[sp.csr_arr
 
 
 def body_displacements(points: GridPoints, u: Array, bodies: tuple[ElasticBody, ElasticBody]) -> BodyDisplacements:
-    """Displacements of wheel and rail at contact points, from those of all unknowns m, wheel before rail."""
+    """Displacements m of wheel and rail at contact points, from all unknowns (displacements m, wheel before rail)."""
     split = 3 * bodies[0].owned
     wheel, rail = (
         bodies[0].ranks.all_reduce(extended(operators, body)[0] @ own).reshape(3, -1)
@@ -154,7 +154,7 @@ class DiscreteProblem:
         return np.asarray(np.eye(c * n) - product.reshape(c * n, c * n))
 
     def predicted(self, z: Array, forces: Array) -> Array:
-        """Nodal forces (n, c) N by the linear response to a change of pose, (1 - D C) T' = T + D (z0 - z).
+        """Nodal forces (n, c) N by the linear response to a change of pose: (1 - D C) T' = T + D (z0 - z).
 
         Parameters:
             z, forces: (n, c), of an earlier solution at the same nodes, where D is taken.

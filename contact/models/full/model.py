@@ -214,7 +214,7 @@ class FullContact:
 
 
 def earlier_contact(earlier: FullStart | None, points: GridPoints, components: int) -> tuple[Array, Array] | None:
-    """z and nodal forces (n, c) N of an earlier solution at contact points, apart where it has none; None without."""
+    """z and nodal forces (n, c) N of an earlier solution at contact points, separated at new nodes; None without."""
     if earlier is None or earlier.z.shape[1] != components:
         return None
     z, traction = np.zeros((2, len(points.node), components))

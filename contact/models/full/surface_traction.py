@@ -37,7 +37,7 @@ REFERENCE: dict[int, tuple[list[list[float]], float]] = {
 
 
 class SurfaceLaw:
-    """Nodal forces T_i = a_i t(z_i) N and tangent D = dT/dz on the whole contact grid, z = (d, s1, s2) or (d) without
+    """Nodal forces T_i = a_i t(z_i) N and tangent D = dT/dz on the contact grid; z = (d, s1, s2), or (d) without
     friction.
 
     Parameters:

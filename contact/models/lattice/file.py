@@ -16,7 +16,7 @@ HALF_SPACE = BodyData(DeviationWeights(NONE, NONE, NONE[:, None], NONE[:, None])
 
 
 def lattice_data(model: LatticeContact) -> LatticeData:
-    """What the library needs of a model on profiles."""
+    """Data of a contact on profiles for the native library."""
     operators, laws = model.operators, model.laws
     assert isinstance(operators.surfaces, ProfileStrips)
     levels = [operators.strips(model.sides(level)) for level in range(LEVELS)]

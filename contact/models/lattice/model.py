@@ -118,7 +118,7 @@ class LatticeContact:
         return self.own_level.problem(motion_data(pose, motion, 1.0))
 
     def solve(self, problem: LatticeProblem, guess: ContactResult | None = None) -> ContactResult:
-        """Result of the equations on the strips of this level, however few of them are loaded."""
+        """Contact result on the strips of this level, for any number of loaded strips."""
         return contact_result(self.own_level.solve(problem, _start(guess)))
 
     def on(self, level: int) -> LatticeContact:
@@ -163,7 +163,7 @@ class LatticeContact:
 
     @property
     def finer_cells(self) -> list[int]:
-        """Factors of the cells along strips of the models with more of them."""
+        """Refinement factors of the finer models for the cells along strips."""
         return [n for n in FINER if n * self.cells <= MOST_CELLS]
 
     @cached_property
@@ -217,12 +217,12 @@ class LatticeContact:
         return lattice_sides(self.operators.surfaces, self.operators.upper.arc, strips, self.offset)
 
     def apart(self, level: int) -> int:
-        """Strips between those at which the penetration is estimated first, on a level."""
+        """Distance, in strips of a level, between the first estimates of penetration."""
         return strips_apart(self.resolution.strips * 2**level)
 
     @cached_property
     def _tables(self) -> dict[int, LatticeTables]:
-        """Those of the levels that were needed."""
+        """Tables of the levels used so far."""
         return {}
 
     @cached_property
@@ -245,7 +245,7 @@ class LatticeContact:
         return self.tangential if self.laws.frictional else "none"
 
     def _check_size(self, strips: int) -> None:
-        """Log memory and time of Newton's method on some strips if they are large. Raises TooLarge."""
+        """Log memory and time of Newton's method on a number of strips if large. Raises TooLarge."""
         unknowns = strips * ((2 * self.cells if self.laws.frictional else 0) + len(self.basis.moments))
         gigabytes, seconds = MATRICES * 8e-9 * unknowns**2, 2 / 3 * unknowns**3 / SPEED
         name = f"{strips} strips, {self.cells} cells along each: {unknowns} unknowns"
@@ -268,13 +268,13 @@ def margin(level: int) -> float:
 
 
 def _start(guess: ContactResult | None) -> LatticeStart | None:
-    """What an earlier result gives to begin with."""
+    """Warm start from an earlier result, if any."""
     start = None if guess is None else guess.warm_start
     return start if isinstance(start, LatticeStart) else None
 
 
 def _without_cycle(model: LatticeContact, function: Callable[..., Result]) -> Callable[..., Result]:
-    """A function of a model as one that does not keep it alive: the core's objects that call it belong to the model."""
+    """Function of a model with a weak reference: the model owns the core's objects that call the function."""
     own = ref(model)
 
     def called(*arguments: object) -> Result:

@@ -30,5 +30,5 @@ class LatticeResolution:
 
 
 def strips_apart(strips: int) -> int:
-    """Distance, in strips, of those at which the penetration is estimated first; strips: over a usual patch."""
+    """Distance, in strips, between the first estimates of penetration; strips: over a usual patch."""
     return min(max(round(APART * strips), 1), MOST_APART)

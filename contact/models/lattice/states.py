@@ -1,4 +1,4 @@
-"""Solutions of a contact on a lattice by name, for a look at what the core has found."""
+"""Solutions of a lattice contact by name, for inspection of the core's results."""
 
 from __future__ import annotations
 
@@ -55,12 +55,12 @@ class LatticeState:
         return np.asarray(self.half * self.modes[:, 0])
 
     def at(self, chosen: Mask) -> LatticeState:
-        """Those strips of a mask (S,)."""
+        """State of the strips in a mask (S,)."""
         return LatticeState(self.strips[chosen], self.values[chosen])
 
 
 def states_of(warm_start: object) -> Mapping[int, LatticeState]:
-    """States on the levels whose forces count, from what a result of a lattice leaves for the next solve."""
+    """States by level, for levels whose forces count, from the warm start in a lattice result."""
     if not isinstance(warm_start, LatticeStart):
         return {}
     levels = zip(warm_start.levels, warm_start.solutions, strict=True)

@@ -142,8 +142,8 @@ class StandardContact:
 
     @cached_property
     def together(self) -> Parameters | None:
-        """What is the same for all wheels that one call of the core solves: of pressures by Piotrowski and Kik on
-        profiles with constant friction; None for others.
+        """Parameters for the batched solve of several wheels: Kik-Piotrowski pressures, profiles and constant friction;
+        None for other models.
         """
         pair, mu = self.surfaces, self.constant_friction
         if not isinstance(pair, RigidWheelRail) or mu is None or self.normal != "kik-piotrowski":
@@ -214,7 +214,7 @@ class StandardContact:
 
     @cached_property
     def data(self) -> StandardData | None:
-        """What libraries without Python need; None as for `together`."""
+        """Model data for the native library; None as for `together`."""
         if self.together is None or not isinstance(self.surfaces, RigidWheelRail):
             return None
         method = FASTSIM if self.tangential == "fastsim" else POLACH
@@ -258,7 +258,7 @@ class StandardContact:
 
 @dataclass(frozen=True, eq=False)
 class _Details:
-    """Patches and fields of one of the wheels that were solved together, when they are needed."""
+    """Patches and fields of one wheel of a batched solve, evaluated on demand."""
 
     model: StandardContact
     solved: SolvedWheels

@@ -91,7 +91,7 @@ class WheelDerivative:
 
 
 class WheelsTogether(NamedTuple):
-    """Wheels that were solved together, and indices (m,) of some of them; -1: separated."""
+    """Wheels of a batched solve, and indices (m,) of a selection; -1: separated."""
 
     of: SolvedWheels
     indices: Nodes

@@ -60,7 +60,7 @@ class TableContact:
 
 @dataclass(frozen=True, eq=False)
 class _Derivative:
-    """Derivative of a table's force, computed when it is first needed."""
+    """Derivative of a table's force, computed on demand."""
 
     table: ForceTable
     pose: Pose

@@ -24,9 +24,7 @@ AHEAD = 2  # cells in front of a strip, of the length of its first, in the upstr
 
 
 def upstream(x: Array) -> tuple[Array, Array, Array]:
-    """Weights (S, M) of u at the cell itself and the next two upstream in -du/dx there, second order, for means at
-    places x (S, M + 2) m.
-    """
+    """Weights (S, M) of u in -du/dx, second order, at the cell and the next two upstream; means at x (S, M + 2) m."""
     near, far = x[:, 1:-1] - x[:, :-2], x[:, 2:] - x[:, :-2]
     return (near + far) / (near * far), -far / (near * (far - near)), near / (far * (far - near))
 
@@ -117,7 +115,7 @@ def _split(edges: Array, load_edges: Array) -> tuple[Array, Array]:
 
 
 def _angles(edges: Array) -> tuple[Array, Array]:
-    """Places (M, ORDER) in all cells as angles, and weights of a rule of quadrature over these."""
+    """Quadrature points (M, ORDER) of all cells as angles, and quadrature weights."""
     place, weight = roots_legendre(ORDER)
     theta = np.arccos(np.clip(2 * edges - 1, -1.0, 1.0))
     low, high = theta[1:, None], theta[:-1, None]

@@ -56,18 +56,18 @@ class BodyCorrection:
         )
 
     def finite_body(self, moves: bool) -> FiniteBody:
-        """The deviation for the core, which computes it where it is needed; moves: whether strips move on the body."""
+        """Deviation from a half-space for the core, evaluated on demand; moves: whether strips move on the body."""
         return FiniteBody(self.weights, moves, self.spectra)
 
     def data(self) -> BodyData:
-        """All of it, for libraries without Python."""
+        """Weights and all spectra, for the native library."""
         tiles = range(-(-len(self.body.arc) // TILE))
         return BodyData(self.weights, np.concatenate([self.spectra(i, j).ravel() for i in tiles for j in tiles[i:]]))
 
     def spectra(self, i: int, j: int) -> Array:
-        """Spectra (R, C, SPECTRA, nk + 3) of the displacement of the lines of a tile by loads on those of another one,
-        with those of unit modulus from the disk cache: reading them takes a tenth of the time. The last three are
-        factors of the correction in the far field.
+        """Spectra (R, C, SPECTRA, nk + 3) of the displacement of the lines of a tile by loads on another tile. Spectra
+        of unit modulus come from the disk cache: reading takes a tenth of the time. The last three are factors of the
+        correction in the far field.
         """
         rows, columns = (slice(TILE * k, min(TILE * (k + 1), len(self.body.arc))) for k in (i, j))
         name = f"deviation/{self._key}-{i}-{j}"
@@ -99,7 +99,7 @@ class BodyCorrection:
 
 
 def in_strip_axes(even: Array, odd: Array, row: Array, column: Array) -> tuple[Array, Array]:
-    """Components even (.., 5, nk) and odd (.., 2, nk) in x, from those (.., 5, nk) and (.., 4, nk) in a body's axes.
+    """Components even (.., 5, nk) and odd (.., 2, nk) in x, from components (.., 5, nk), (.., 4, nk) in body axes.
 
     row, column: (.., 2, 2) tangent and normal of the displaced and of the loaded lines.
     """

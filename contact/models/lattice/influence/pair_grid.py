@@ -22,8 +22,8 @@ INTEGRALS = (NODES[:, None] ** np.arange(1, DEGREE + 2) / np.arange(1, DEGREE + 
 
 
 def _slope_changes() -> Array:
-    """Powers (2, DEGREE + 1) of polynomials that are zero at both ends and at the middle nodes, with slopes 1 and 0 at
-    the ends, and 0 and 1.
+    """Coefficients (2, DEGREE + 1), ascending, of polynomials zero at ends and middle nodes, with end slopes (1, 0),
+    (0, 1).
     """
     kept = np.poly1d(NODES[[0, 2, 3, 5]], r=True)
     changes = (kept * np.poly1d([-1.0, 1.0]), kept * np.poly1d([1.0, 0.0]))
