@@ -309,6 +309,19 @@ def test_packages_have_docstrings_and_at_most_15_modules(package: str) -> None:
     assert len(modules) <= 15
 
 
+PRONOUN = re.compile(r"\b(those|these|what|it|others|they|them)\b", re.IGNORECASE)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_docstrings_begin_with_a_short_sentence_without_pronoun(path: Path) -> None:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            text = " ".join((ast.get_docstring(node) or "").split())
+            first = re.split(r"(?<=[.;:])\s", text)[0]
+            assert len(first.split()) <= 25, first
+            assert not PRONOUN.search(first), first
+
+
 @pytest.mark.parametrize("package", sorted(MAY_IMPORT))
 def test_no_public_name_of_a_package_hides_one_of_its_modules(package: str) -> None:
     (init,) = (path for path in FILES if path.stem == "__init__" and module_of(path) == package)
