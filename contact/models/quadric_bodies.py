@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
 ROOM = 1.25  # times the expected approach: largest approach on the meshed surface
-WIDTH = 40.0  # least half width of a block over the longer semi-axis of the patch
+WIDTH = 40.0  # least half width of a block over the longer semi-axis of the patch, and over a cell
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ class QuadricBodies:
         """In cells; by default in coarse steps, so that one mesh and one compliance serve many scenes."""
         if self.blocks.half_width is not None:
             return self.blocks.half_width / how.surface_size
-        return float(2.0 ** np.ceil(np.log2(WIDTH * max(self._expected[1]) / how.surface_size)))
+        return float(2.0 ** np.ceil(np.log2(WIDTH * max(*self._expected[1], how.surface_size) / how.surface_size)))
 
     def _equal_or_not(self, make: Callable[[Material], Any]) -> tuple[Any, Any]:
         """Values made from the material of each body, once for equal materials."""

@@ -1,4 +1,4 @@
-"""Patches that are wide against the radii of the bodies, and patches of few points, are named."""
+"""Patches wide against the radii of the bodies, and patches of few points, are named; minute ones are right."""
 
 from __future__ import annotations
 
@@ -8,12 +8,13 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import wheelrail as wr
+from wheelrail.contact.analytical.hertz import hertz, modulus
 from wheelrail.contact.results.resultants import rows_of_points
 from wheelrail.meshes.profiles.named import named_profile
 
 
 def test_half_spaces_do_not_stand_for_a_groove() -> None:
-    """Radii of 10 in 10.02 mm: the patch is as wide as the ball; at 06d44fc it was 267 MPa without a word."""
+    """Radii of 10 in 10.02 mm: the patch is as wide as the ball."""
     wide = wr.Hertz((0.01, 0.01), (np.inf, -0.01002), friction=0.0, model="standard").solve(load=1e3)
     (turn,) = wide.data["patch_turn"].values[0]
     half = float(wide.data["patch_semi_axis_y"][0, 0])
@@ -77,3 +78,13 @@ def test_turn_of_profiles() -> None:
 @pytest.mark.parametrize(("rows", "columns", "fewest"), [(3, 9, 3), (6, 2, 2), (5, 5, 5)])
 def test_points_of_a_grid_across_a_patch(rows: int, columns: int, fewest: int) -> None:
     assert rows_of_points(np.repeat(1e-3 * np.arange(rows), columns)) == fewest
+
+
+@pytest.mark.parametrize("approach", [1e-10, 1e-9, 5e-9])
+@pytest.mark.parametrize("radii", [((0.46, np.inf), (np.inf, 0.3)), ((0.1, 0.1), (np.inf, np.inf))])
+def test_patches_smaller_than_a_cell_of_the_bodies(radii: tuple[tuple[float, float], ...], approach: float) -> None:
+    """The bodies are blocks of many cells, however small the patch."""
+    along, across = (sum(0.5 / body[k] for body in radii) for k in (0, 1))
+    expected = hertz(along, across, modulus((210e9, 0.3), (210e9, 0.3)), approach=approach)
+    found = wr.Hertz(*radii, friction=0.0).solve(approach=approach)
+    assert float(found.data["vertical_force"][0]) == pytest.approx(expected.force, rel=6e-4)
