@@ -108,7 +108,7 @@ void bind_surfaces(nb::module_& m) {
 
 std::tuple<double, double, double> numbers(const Extremum<>& at) { return {at.s, at.depth, at.x}; }
 
-// Lines of a pair, and a part of them.
+// Lines of a pair, and a range of lines.
 void require_lines(const Shape& rail, const Lines& lines, const Part& part) {
     require(lines.of(rail), "lines: must be those of the rail");
     require(0 <= part.first && part.first < part.second && part.second <= lines.s.size(), "part: must be of the lines");

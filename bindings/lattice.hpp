@@ -1,4 +1,4 @@
-// Checks of what Python gives to the equations of strips.
+// Checks of Python's inputs to the equations of strips.
 #pragma once
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>

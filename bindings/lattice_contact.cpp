@@ -29,7 +29,7 @@ std::vector<std::vector<long>> patch_numbers(const LatticeResult& result) {
     return {own};
 }
 
-// What the next solve begins with, if anything.
+// Warm start of the next solve, if any.
 std::optional<LatticeStart> next_start(const LatticeResult& result) {
     for (const auto& solution : result.start.solutions)
         if (solution) return result.start;

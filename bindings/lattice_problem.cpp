@@ -12,7 +12,7 @@ using namespace wr;
 
 namespace {
 
-// Errors of the core are those of Python.
+// Translation of the core's errors into Python exceptions.
 void translate(const std::exception_ptr& error, void*) {
     auto raise = [](const char* module, const char* name, const char* text) {
         PyErr_SetString(nb::module_::import_(module).attr(name).ptr(), text);

@@ -18,7 +18,7 @@ void require_samples(const LatticeStrips& strips, const Deviation& upper, const 
 
 }  // namespace
 
-// Tables of pairs of strips, and the deviations of bodies in them.
+// Tables of pairs of strips, with the deviations of bodies.
 void bind_tables(nb::module_& m) {
     m.def(
         "start_of",

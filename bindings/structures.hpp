@@ -24,8 +24,7 @@ inline void require(bool fits, const char* text) {
     if (!fits) throw nb::value_error(text);
 }
 
-// What Python holds: a structure, and the objects from which it was made, or, of one that the core made, the owners of
-// its numbers.
+// Structure held by Python, with the objects of its origin or, if made by the core, the owners of its numbers.
 struct Holder {
     nb::object given;
     Owners owners;
@@ -53,7 +52,7 @@ bool is_code(const char* code) {
 
 namespace nanobind::detail {
 
-// A view of an array that Python holds as long as it is used: of the same type, in C order, never a copy.
+// View of an array, held by Python for the time of use: of the same type, in C order, never a copy.
 template <class T, int N>
 struct type_caster<wr::View<T, N>> {
     using Numpy = ndarray<T, numpy, ndim<N>, c_contig, device::cpu>;
@@ -143,8 +142,7 @@ struct type_caster<wr::Owned<T>> {
 
 namespace wr {
 
-// What is done with fields of one type: taken from Python (false if of another type), returned to it,
-// and named there.
+// Operations on fields of one type: taken from Python (false if of another type), returned to it, and named there.
 struct FieldType {
     bool (*take)(nb::handle from, void* to);
     nb::object (*give)(const void* from, const Owners& owners);
@@ -183,7 +181,7 @@ constexpr FieldType field_type{
         return python_name(text.text, types, given) + (given && std::is_pointer_v<F> ? " | None" : "");
     }};
 
-// A structure as Python sees it; code for its fields is the same for all structures but for two functions.
+// Description of a structure for Python; code for its fields is the same for all structures but for two functions.
 struct Description {
     std::string name;
     std::vector<const char*> fields;
@@ -205,10 +203,10 @@ auto addresses(T& data) {
 // Names of the fields of a class, as of named tuples: it is made from their values, and pickled by them.
 void set_fields(nb::handle made, std::span<const char* const> names);
 
-// What a structure's class has: its fields, read-only, copies and pickles by them. Text of what makes one.
+// Class of a structure: its fields, read-only, copies and pickles by them. Text of what makes one.
 std::string define(const Description* of, nb::handle made);
 
-// Fields in their order, given by it or by name.
+// Fields in order, given by position or by name.
 nb::tuple ordered(const Description& of, const nb::args& first, const nb::kwargs& named);
 
 // Class of a structure with the names of its fields. A structure with `bool fits() const` refuses lengths and indices

@@ -1,4 +1,4 @@
-// What a contact model of one pair gives to a wheelset: the interface of all models.
+// Interface of a pair's contact model to a wheelset, the same for all models.
 #pragma once
 #include <memory>
 #include <string>
@@ -9,7 +9,7 @@ namespace wr {
 
 enum class Status { CONVERGED, SEPARATED, FAILED };
 
-// What a model keeps of a solve.
+// Data of a solve stored by a model.
 struct Memory {
     Memory() = default;
     Memory(const Memory&) = delete;

@@ -71,7 +71,7 @@ inline Variables patch_variables() {
             {"frictional_power", "W", "power of the tractions over the rigid slip"}};
 }
 
-// Of an element, when it is opened.
+// Parameters of an element, set when the element is opened.
 inline Variables parameter_variables() {
     Variables all;
     for (std::string side : SIDES)

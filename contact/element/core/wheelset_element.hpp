@@ -21,7 +21,7 @@ struct WheelsetContact {
     std::array<Dimensions, 2> dimensions;
 };
 
-// Values (17,) in the order of `input_variables`, and what was solved there.
+// Values (17,) in the order of `input_variables`, and the solution there.
 struct WheelsetSolution {
     std::array<double, STATE> values{};
     std::array<PairSolution, 2> sides;  // as left-hand pairs

@@ -20,7 +20,7 @@ constexpr std::array<double, HALF> WIDTHS{0.0020098998513175858, 0.0226087595459
 constexpr double MIN_PENETRATION = 1e-15;  // m: smallest penetration of a strip, for a length above zero
 constexpr double MIN_SLOPE_COSINE = 0.05;  // cosine of the wheel's slope: lower bound for the radius along the rail
 
-// Regions of a wheel on a rail, with what they consist of.
+// Interpenetration regions of a wheel on a rail, with contacts and strips.
 struct WheelRegions {
     double approach = 0.0;  // m, largest penetration; without, minus the gap
     bool beyond = false;    // whether the penetration reaches an end of the wheel's profile or of the rail's, is larger
@@ -71,7 +71,7 @@ inline long first_beyond(const Scan& samples, const Part& part) {
     return -1;
 }
 
-// Text on an overlap whose regions are beyond what is solved; names of the profiles.
+// Message on interpenetration beyond the solved regions; names of the profiles.
 inline std::string overlap(const WheelRail& pair, const Pose<double>& pose, const Lines& lines,
                            const std::string& wheel, const std::string& rail) {
     Part part = lines_to_scan(lines, pair.radius, pose);

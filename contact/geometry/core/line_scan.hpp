@@ -1,4 +1,4 @@
-// Penetration on sampled lines of a wheel's profile, and which of them may touch the rail at a pose.
+// Penetration on sampled lines of a wheel's profile, and the lines that may touch the rail at a pose.
 #pragma once
 #include "contact/geometry/core/rigid_search.hpp"
 
@@ -41,7 +41,7 @@ struct Lines {
         return point.size() == n && tangent.size() == n && rail_tangent.size() == rail_curvature.size() && 0 <= first &&
                first < stop && stop <= n && outline.shape[0] == 4 && outline.shape[1] > 0;
     }
-    // Whether they are lines for a rail.
+    // Whether the lines belong to a rail.
     bool of(const Shape& rail) const { return rail_tangent.size() == rail.samples.size(); }
 };
 
@@ -75,8 +75,8 @@ inline bool meets(const Lines& lines, const Box& box, double hand, double radius
     return low < count && lines.outline(3, low) > centre - reach;
 }
 
-// The lines that may come closer to the rail at a pose than a margin m, 0 if they overlap it: the ordinary ones, and
-// all before or after them unless bounds of their places show that they do not.
+// Range of lines that may come closer to the rail at a pose than a margin m (0: overlap): the ordinary ones, and all
+// before or after them unless bounds of their places show that they do not.
 inline Part lines_to_scan(const Lines& lines, double radius, const Pose<double>& pose, double margin = 0.0) {
     Part part{lines.first, lines.stop};
     if (part.first > 0 && meets(lines, lines.flange, 1.0, radius, pose, margin)) part.first = 0;

@@ -163,7 +163,7 @@ inline Lowest lowest_on(const Shape& rail, double radius, const Pose<double>& po
     return {FAILED, FAILED, FAILED, sample, at, j};
 }
 
-// Depths m below the surface of a rail on one side of a corner, which goes on beyond it, at angles along a line.
+// Depths m, at angles along a line, below a rail surface that continues beyond a corner on one side.
 struct Side {
     const Shape& rail;
     const Pieces pieces;

@@ -87,14 +87,14 @@ struct Scan {
         long n = depth.size();
         return n > 0 && slope.size() == n && x.size() == n && sample.size() == n;
     }
-    // Whether its samples are among those of a rail.
+    // Whether the samples belong to a rail.
     bool of(const Shape& rail) const {
         return std::all_of(sample.begin(), sample.end(), [&](long i) { return -1 <= i && i < rail.samples.size(); });
     }
 };
 
-// Maxima of the penetration above zero, minima between them, the line before each maximum, and the largest penetration
-// m. A gap between two maxima has the penetration 0.
+// Positive maxima of the penetration, the minima between, the line before each maximum, and the largest penetration m.
+// A gap between two maxima has the penetration 0.
 struct Maxima {
     long count = 0;
     std::array<Extremum<>, MAXIMA> top{}, low{};

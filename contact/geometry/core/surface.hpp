@@ -75,7 +75,7 @@ struct SurfaceFrames {
     long size() const { return point.size(); }
 };
 
-// Walks from point to point of strips and keeps what neighbours share; fastest where they share s.
+// Walk from point to point of strips, with reuse of data shared by neighbours; fastest where they share s.
 struct Walk {
     const SurfaceData& surface;
     long sample = -1;  // nearest one of the rail

@@ -58,8 +58,8 @@ struct WheelPairs {
     }
 };
 
-// What the left-hand pair depends on: 13 values of a `WheelsetState` (17,) and the displacement y, z m of its rail.
-// Dual numbers vary by the coordinates. mirror: whether the pair is the mirror image in y = 0 of the right-hand one.
+// Inputs of the left-hand pair: 13 values of a `WheelsetState` (17,) and the displacement y, z m of its rail. Dual
+// numbers vary by the coordinates. mirror: whether the pair is the mirror image in y = 0 of the right-hand one.
 template <class T>
 std::array<T, OWN> left_state(const Numbers& values, bool mirror) {
     std::array<T, OWN> own;
@@ -102,7 +102,7 @@ inline WheelPairs left_pairs(const Rows& states, const Dimensions& dimensions, b
     return pairs;
 }
 
-// Derivatives (6, 9) of force and moment by the wheelset's coordinates from those by the wheel's pose.
+// Derivatives (6, 9) of force and moment by the wheelset's coordinates, from derivatives by the wheel's pose.
 //
 // Parameters:
 //     tangent: (6, 12), about the wheelset's centre, of the left-hand pair, as `ContactResult.tangent`: by translation

@@ -52,7 +52,7 @@ Pose<T> varied(const Pose<double>& pose, int first = 0) {
             {turned(m.x), turned(m.y), turned(m.z)}};
 }
 
-// Rotation vector rad, in the axes of space, from axes to others that differ by infinitely little.
+// Rotation vector rad, in the axes of space, from axes to infinitesimally different ones.
 template <class T>
 Vec<T> small_rotation(const Matrix<double>& from, const Matrix<T>& to) {
     return 0.5 * (cross(from.x, to.x) + cross(from.y, to.y) + cross(from.z, to.z));

@@ -47,8 +47,8 @@ struct SquareParabola {
     SquareParabola mirrored() const { return {a, -b, c}; }
 };
 
-// Parabola within strip i, from its middle, by the means over it and the nearest two: squares (S,) m2 of the lengths of
-// adjacent strips with lateral bounds (S + 1,) m. Its integral interpolates sums: divided differences.
+// Parabola within strip i, from its middle, by the means over the strip and the nearest two: squares (S,) m2 of the
+// lengths of adjacent strips with lateral bounds (S + 1,) m. Its integral interpolates sums: divided differences.
 inline SquareParabola square_within(Numbers square, Numbers bounds, long i) {
     long at = std::min(std::max(i - 1, 0L), square.size() - 3);
     double origin = 0.5 * (bounds(i) + bounds(i + 1));
@@ -84,7 +84,7 @@ inline double patch_area(Numbers square, Numbers bounds) {
     return total;
 }
 
-// Lateral ends m of the contact, which moves over the outer strips and does not end with them.
+// Lateral ends m of the contact, in motion over the outer strips rather than at their bounds.
 inline std::array<double, 2> lateral_ends(Numbers square, Numbers bounds) {
     long S = square.size();
     if (S < LEAST_STRIPS) return {bounds(0), bounds(S)};
@@ -94,8 +94,8 @@ inline std::array<double, 2> lateral_ends(Numbers square, Numbers bounds) {
             middle(S - 1) + square_within(square, bounds, S - 1).end(half(S - 1))};
 }
 
-// Area m2 of stick zones from the squares (S,) m2 of their lengths in adjacent strips, zero where they slip, with
-// lateral bounds (S + 1,) m.
+// Area m2 of stick zones from squares (S,) m2 of their lengths in adjacent strips, zero under slip, with lateral bounds
+// (S + 1,) m.
 inline double stick_area(Numbers square, Numbers bounds) {
     double total = 0.0;
     for (long i = 0, first = 0; i <= square.size(); ++i)

@@ -1,4 +1,4 @@
-// Energy of the bodies and the powers that change it, relative to the frames of the track at their own distances.
+// Energy of the bodies and the powers of its change, relative to the frames of the track at their own distances.
 #pragma once
 #include <tuple>
 

@@ -1,4 +1,4 @@
-// What a step of a run overlooks of functions that are prescribed.
+// Part of the prescribed functions of a run that a step overlooks.
 #pragma once
 #include <algorithm>
 #include <array>

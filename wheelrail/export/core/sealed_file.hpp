@@ -34,7 +34,7 @@ constexpr long words_of(long n) {
     return (n * long(sizeof(T)) + 7) / 8;
 }
 
-// What kind of field a type is: arrays of N dimensions, and arrays of a fixed number.
+// Kinds of field types: arrays of N dimensions, and arrays of a fixed number.
 template <class T>
 struct FieldOf {
     static constexpr int dimensions = 0;

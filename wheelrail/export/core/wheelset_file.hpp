@@ -14,7 +14,7 @@ namespace wr {
 
 constexpr const char* DEFAULT_FILE = "contact.wheelset";  // as the library looks for
 
-// Allowed numbers from low to high, and the text of what is allowed.
+// Allowed range of numbers from low to high, and its text.
 struct AllowedRange {
     double low = 0.0, high = 0.0;
     std::string allowed;
@@ -35,7 +35,7 @@ struct WheelsetHead {
     auto fields() { return std::tie(token, start, inputs, friction, coefficients, dimensions, sides); }
     bool fits() const { return start.size() == INPUTS && (sides == 1 || sides == 2); }
 
-    // The first input that is not a number in its range, with what is allowed; empty where there is none.
+    // First input that is not a number in its range, with the range; empty where there is none.
     std::string invalid(const Numbers& values) const {
         for (int k = 0; k < INPUTS; ++k)
             if (!inputs[k].allow(values(k)))

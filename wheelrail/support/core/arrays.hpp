@@ -88,7 +88,7 @@ struct Array : View<T, N> {
         requires(sizeof...(I) == N)
     explicit Array(I... sizes) : Array(std::array<long, N>{long(sizes)...}) {}
 
-    // One whose numbers must be set, and one of zeros that take no memory until they are changed.
+    // Array with unset numbers, and array of zeros without memory until a change.
     static Array unset(const std::array<long, N>& sizes) {
         Array a;
         a.shape = sizes;

@@ -7,13 +7,13 @@
 
 namespace wr {
 
-// Segment of ascending places (n,) in which x lies, or an end of it: number of its first place, 0 to n - 2.
+// Segment of ascending places (n,) around x, or at an end: number of its first place, 0 to n - 2.
 inline long segment(Numbers places, double x) {
     long after = std::upper_bound(places.begin(), places.end(), x) - places.begin();
     return std::clamp(after - 1, 0L, std::max(places.size() - 2, 0L));
 }
 
-// Value at x, linear between ascending places (n,), constant beyond them.
+// Value at x, linear between ascending places (n,), constant beyond the ends.
 template <class T>
 T interpolated(const T& x, Numbers places, Numbers values) {
     long last = places.size() - 1;

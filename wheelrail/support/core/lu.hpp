@@ -1,4 +1,4 @@
-// LU factors of square matrices with partial pivoting, P A = L U, and solutions with them; L has a unit diagonal.
+// LU factors of square matrices with partial pivoting, P A = L U, and solutions by the factors; L has a unit diagonal.
 //
 // Sums have the same order on every processor, so that results have the same bits; LAPACK's have not, and its threads
 // wait for each other. Up to 400 unknowns it takes 1.0 to 1.3 times the time of OpenBLAS on one core.
@@ -51,8 +51,8 @@ void subtract_multiple(T factor, View<const T, 1> from, View<T, 1> to) {
     for (long k = 0; k < from.size(); ++k) result[k] -= factor * from.data[k];
 }
 
-// Subtract the product of some columns, from first to before last, and the rows of the same numbers from what is below
-// and to the right of both; packed: room for these rows in tiles.
+// Subtract the product of some columns, first to before last, and equal-numbered rows from the block below and right of
+// both; packed: room for these rows in tiles.
 template <class T>
 void subtract_product(const View<T, 2>& m, long first, long last, const View<T, 3>& packed) {
     constexpr long WIDE = TileRow<T>::WIDE;

@@ -1,4 +1,4 @@
-// Structures of views with the memory that they see.
+// Structures of views, with the memory behind the views.
 #pragma once
 #include <memory>
 #include <tuple>
@@ -14,7 +14,7 @@ concept Structure = requires(T t) { t.fields(); };
 
 using Owners = std::vector<std::shared_ptr<const void>>;
 
-// A structure, and what owns the numbers of its views.
+// Structure with the owners of its views' numbers.
 template <Structure T>
 struct Owned : T {
     Owners owners;
@@ -44,7 +44,7 @@ Owned<T> owned(const T& data) {
     return copy;
 }
 
-// Owners, with those of some arrays.
+// Owners, joined with the owners of some arrays.
 template <class... A>
 Owners owners_of(Owners owners, const A&... arrays) {
     (owners.push_back(arrays.owner), ...);

@@ -16,7 +16,7 @@ std::string text(const char* format, A... values) {
     return result;
 }
 
-// The shortest text that is read as the same number, as Python prints it.
+// Shortest text that reads back as the same number, as printed by Python.
 inline std::string shortest(double x) {
     if (std::isnan(x)) return "nan";
     if (std::isinf(x)) return x < 0 ? "-inf" : "inf";

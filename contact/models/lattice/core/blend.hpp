@@ -8,7 +8,7 @@
 
 namespace wr {
 
-// Patches of both levels as rows of `store_patch`, and the number of each patch of either level among them.
+// Patches of both levels as rows of `store_patch`, and the row number of each patch of either level.
 struct BlendedPatches {
     Array<double, 2> rows;
     std::array<std::vector<long>, 2> numbers;

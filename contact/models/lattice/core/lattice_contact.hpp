@@ -5,7 +5,7 @@
 
 namespace wr {
 
-// What the next solve begins with: solutions of one or two levels whose forces count, none without load, and of finite
+// Warm start of the next solve: solutions of one or two levels whose forces count, none without load, and of finite
 // bodies that of the ordinary level, from which their displacement is.
 struct LatticeStart {
     using Solution = std::shared_ptr<LatticeSolution>;
@@ -22,7 +22,7 @@ struct LatticeStart {
     }
 };
 
-// Force of one or two levels, and what belongs to it.
+// Outcomes of one or two levels, their weights, and the warm start of the next solve.
 class LatticeResult {
   public:
     LatticeResult(std::vector<LatticeOutcome> outcomes, LevelShares own, LatticeStart start)

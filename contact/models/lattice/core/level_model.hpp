@@ -17,7 +17,7 @@ constexpr double DEEPEST[] = {3e-3, 1e-2};
 constexpr std::size_t NARROWER = 2;   // of the finer models: those on strips of half and a quarter of the width
 constexpr long MOST_UNKNOWNS = 2500;  // in search of a pressure without tension on wide contacts: 2 s a Newton step
 
-// Outcome of a solve on one level, and what its tangent and patches are computed from.
+// Outcome of a solve on one level, with the data of its tangent and patches.
 struct LatticeOutcome {
     enum Status { SOLVED, SEPARATED, FAILED };
 
@@ -90,7 +90,7 @@ class LevelModel {
         return std::make_shared<LatticeProblem>(setting, motion);
     }
 
-    // Outcome of the equations on the strips of this level, however few of them are loaded. earlier: solution of
+    // Outcome of the equations on the strips of this level, for any number of loaded strips. earlier: solution of
     // another pose, or none.
     LatticeOutcome solve(const std::shared_ptr<LatticeProblem>& of, const LatticeSolution* earlier) const {
         auto start = std::chrono::steady_clock::now();

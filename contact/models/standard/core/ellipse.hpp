@@ -1,4 +1,4 @@
-// Hertz's ellipse, and the elliptic integrals for it and for strips of pressure.
+// Hertz's ellipse, and elliptic integrals for ellipses and strips of pressure.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,7 +16,8 @@ struct Complete {
     T K, D;
 };
 
-// Those of the complementary modulus k, 0 < k <= 1, by the arithmetic-geometric mean, without cancellation at k = 1.
+// Integrals of the complementary modulus k, 0 < k <= 1, by the arithmetic-geometric mean, without cancellation at k =
+// 1.
 template <class T>
 Complete<T> complete(const T& k) {
     using std::sqrt;

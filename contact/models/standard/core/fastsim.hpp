@@ -31,8 +31,8 @@ struct ElasticFoundation {
     T along, across, spin;
 };
 
-// Those of an elliptic patch with semi-axes a, b m (Kalker 1990, eq. 2.79), from the shear modulus Pa and C11, C22,
-// C23.
+// Flexibilities of an elliptic patch with semi-axes a, b m (Kalker 1990, eq. 2.79), from the shear modulus Pa and C11,
+// C22, C23.
 template <class T>
 ElasticFoundation<T> foundation(const T& a, const T& b, double G, const std::array<T, 3>& kalker) {
     using std::sqrt;

@@ -207,7 +207,7 @@ inline std::pair<Array<double, 1>, Array<double, 1>> slip_velocities(const Strip
     return {cells, whole};
 }
 
-// Fill force and moment from tractions and pressures of the cells, m for each of the strips with these frames.
+// Fill force and moment from tractions and pressures of the cells, m for each strip with its frame.
 inline void integrate_tractions(const StripTractions& cells, const std::vector<Frame<double>>& frames, long m) {
     Vec<double> force, moment;
     for (long q = 0; q < cells.area.size(); ++q) {

@@ -45,7 +45,7 @@ struct Moments {
     T s{}, x{}, along{}, across{};
 };
 
-// Those of the strips from start to before stop.
+// Moments of the strips from start to before stop.
 template <class T>
 Moments<T> moments(const Pressures<T>& of, long start, long stop) {
     using std::sqrt;

@@ -103,7 +103,7 @@ inline Array<double, 2> patch_rows(const Numbers& weight, const StripPressures& 
     return rows;
 }
 
-// Rows of all patches of a wheel with these regions by decreasing load, as `patch_rows`.
+// Rows of all patches of a wheel from its regions, by decreasing load, as `patch_rows`.
 inline Array<double, 2> wheel_patches(const Parameters& p, const LeftPair<double>& own, const WheelRegions& found) {
     auto zones = penetration_regions(found);
     auto strips = virtual_penetration(zones, p.elastic.E_star);

@@ -24,8 +24,8 @@ struct LineDepth {
     OnCurve<T> profile;
 };
 
-// Those of a line whose lowest point is known. At a corner or an end of the rail the closest point is held:
-// the distance from it turns. Below a corner both sides are as near, and remain so along the line.
+// Depth, slope and places of a line with known lowest point. At a corner or an end of the rail the closest point is
+// held: the distance from it turns. Below a corner both sides are as near, and remain so along the line.
 template <class T>
 LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const OnCurve<T>& line, const Lowest& known) {
     using std::sqrt;

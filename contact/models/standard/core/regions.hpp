@@ -1,4 +1,4 @@
-// Interpenetration regions of two bodies as contacts and strips across them.
+// Interpenetration regions of two bodies as contacts, each divided into strips.
 #pragma once
 #include <tuple>
 
@@ -6,7 +6,7 @@
 
 namespace wr {
 
-// Contacts (k,) and strips (n,) across them, contact by contact.
+// Contacts (k,) and their transverse strips (n,), contact by contact.
 template <class T>
 struct Regions {
     Array<T, 1> peak, peak_x;  // (k,) m, position of the maximum on the upper body's profile, and along rolling
@@ -33,7 +33,7 @@ struct Regions {
 
 using PenetrationRegions = Regions<double>;
 
-// Those of a wheel on a rail.
+// Penetration regions of a wheel on a rail.
 inline PenetrationRegions penetration_regions(const WheelRegions& found) {
     const auto& [contacts, strips] = std::tie(found.contacts, found.strips);
     PenetrationRegions zones(strips.size(), contacts.size());

@@ -8,7 +8,7 @@
 
 namespace wr {
 
-// What the standard contact of a pair needs.
+// Data of the standard contact of a pair.
 struct StandardData {
     Parameters parameters;
     std::array<double, 2> extent{};  // m, longest semi-axes, along and across, of a patch that lies on both bodies
@@ -18,7 +18,7 @@ struct StandardData {
     auto fields() { return std::tie(parameters, extent, wheel, rail, tangential); }
 };
 
-// Why a result with these values, see `WheelForces`, is none; empty if it is one.
+// Reason to reject a result by its values, see `WheelForces`; empty if valid.
 //
 // Parameters: largest extent m of patches along and across, E* Pa and method of the pair; values (8,).
 inline std::string failure(const std::array<double, 2>& extent, double E_star, long method, const Numbers& values) {

@@ -1,4 +1,4 @@
-// Force of strips of pressure and of FASTSIM or Polach's tractions on them, without storing their cells.
+// Force of strips with pressure and FASTSIM's or Polach's tractions, without storage of their cells.
 #pragma once
 #include <limits>
 

@@ -59,7 +59,7 @@ Resultants<T> roll(const Increments<T>& by, std::span<const double> bounds) {
     return {sum.along / m, sum.across / m, sum.turning / m};
 }
 
-// Resultants of n strips, those of numbers with derivatives by local ones by the increments.
+// Resultants of n strips, with derivatives from local derivatives by the increments.
 template <class T>
 void strip_resultants(std::span<const Increments<T>> by, std::span<const double> bounds,
                       std::span<Resultants<T>> results) {

@@ -5,7 +5,7 @@
 
 namespace wr {
 
-// What is the same for all wheels of a pair of profiles.
+// Parameters common to all wheels of a pair of profiles.
 struct Parameters {
     Shape wheel, rail;                  // profiles
     double radius = 0.0;                // of the wheel, m
@@ -100,7 +100,7 @@ inline WheelRegions store_force(const Parameters& p, const LeftPair<double>& own
     return found;
 }
 
-// Copy rows behind those of other wheels.
+// Copy rows behind the rows of other wheels.
 template <class T, int N>
 void append(const View<T, N>& to, long first, const View<T, N>& from) {
     std::copy(from.begin(), from.end(), to.part(first, first + from.size()).begin());

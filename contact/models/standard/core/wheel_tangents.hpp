@@ -74,8 +74,8 @@ inline Array<double, 3> wheel_tangents(const Parameters& p, const WheelPairs& pa
     return tangents;
 }
 
-// Derivatives (m, 6, 9) of forces and moments by the coordinates of wheelsets with these states (m, 17) and dimensions;
-// mirror: whether they are the right wheels.
+// Derivatives (m, 6, 9) of forces and moments by wheelset coordinates, for states (m, 17) and dimensions; mirror:
+// whether they are the right wheels.
 inline Array<double, 3> tangents_in_states(const Parameters& p, const WheelPairs& pairs, const WheelForces& forces,
                                            const Indices& wheels, const Rows& states, const Dimensions& dimensions,
                                            bool mirror) {

@@ -92,8 +92,8 @@ struct Stencil {
     }
 };
 
-// Numbers (n,), from that of the first, of the nodes around a point on the axes from 1 to before the last, and their
-// weights (1, n); with slopes (m, n), m coordinates, then their derivatives.
+// Numbers (n,), counted from the first, of the nodes around a point on the inner axes, and their weights (1, n); with
+// slopes (m, n), m coordinates, then their derivatives.
 struct InnerTerms {
     Array<long, 1> numbers;
     Array<double, 2> weights;
@@ -140,8 +140,8 @@ inline void add_parts(const View<double, 1>& total, Numbers values, Indices star
     }
 }
 
-// Values (1, count * columns) at nodes of the last axis, from the first on, between nodes of all others; with slopes
-// (axes, count * columns), then their derivatives by the coordinates of all axes but the last.
+// Values (1, count * columns) at nodes of the last axis, from the first on, interpolated along all other axes; with
+// slopes (axes, count * columns), then their derivatives by the coordinates of all axes but the last.
 inline Array<double, 2> between(const Grid& grid, const double* at, long first, long count, bool slopes) {
     long axes = grid.axes() - 1;
     InnerTerms inner(grid, at, axes, slopes);

@@ -17,7 +17,7 @@ struct FootDerivatives {
     auto fields() { return std::tie(slips, moments); }
 };
 
-// The displacements by what means over lines change, by strips that move.
+// Change of the displacements through means over lines, as strips move.
 class MovedStrips {
   public:
     MovedStrips(const PairMeans& smooth, const StripGrid& grid, Blocks jumps, Rows share, Rows slope)
@@ -68,7 +68,7 @@ class MovedStrips {
                 store8(with_sign(at, std::signbit(x)).value, &G_(r, c, 0));
             }
     }
-    // Add to V of strip j what loads on another one do, times its motions (6,).
+    // Add to V of strip j the effect of loads on another strip, times its motions (6,).
     void add_part(double turn, const Rows& jumps, const Numbers& motions, long j) {
         std::fill(part_.begin(), part_.end(), 0.0);
         add_antiderivative({G_, turn}, jumps, 1.0, part_);

@@ -12,7 +12,7 @@ namespace wr {
 using ByPose = Dual<POSE>;
 using ByChanges = Dual<CHANGES>;
 
-// Mean penetration m over the width of a strip at x m along it.
+// Mean penetration m over the width of a strip at distance x m along the strip.
 inline ByPose mean_depth(Walk& walk, const Pose<ByPose>& pose, double middle, double width, double x) {
     ByPose before = penetration_at(walk, pose, middle - GAUSS * width, x).depth;
     return 0.5 * (before + penetration_at(walk, pose, middle + GAUSS * width, x).depth);

@@ -27,8 +27,7 @@ inline bool fit(const EquationData& data, const TangentPlaces& places) {
            (!places.arc.size() || (!smooth.none() && smooth.first + smooth.share.shape[1] <= places.arc.size()));
 }
 
-// Derivatives (k, CHANGES) of sums, and the factors of the Jacobian, if all distances lie in the tables and it is
-// regular.
+// Derivatives (k, CHANGES) of sums, and the factors of a regular Jacobian, if all distances lie in the tables.
 struct TangentSums {
     bool inside = false, regular = false;
     Array<double, 2> changes;

@@ -20,7 +20,7 @@ inline BetweenLines between_lines(const Numbers& arc, double s) {
     return {right, std::min(std::max(share, 0.0), 1.0)};
 }
 
-// Integral up to s m of the function that is 1 at line k and 0 at the others, linear in between.
+// Integral up to s m of the hat function of line k, 1 there, 0 at all other lines and linear in between.
 inline double hat_integral(const Numbers& arc, long k, double s) {
     double total = 0.0;
     if (k > 0 && s > arc(k - 1)) {
@@ -34,7 +34,7 @@ inline double hat_integral(const Numbers& arc, long k, double s) {
     return total;
 }
 
-// Values (S, n) at s (S,) m of the functions linear between lines (n,) m, 1 at one and 0 at the others.
+// Values (S, n) at s (S,) m of hat functions on lines (n,) m, each 1 at one line and 0 at all other lines.
 inline Array<double, 2> hats(const Numbers& arc, const Numbers& s) {
     Array<double, 2> values(s.size(), arc.size());
     for (long i = 0; i < s.size(); ++i) {
@@ -44,7 +44,7 @@ inline Array<double, 2> hats(const Numbers& arc, const Numbers& s) {
     return values;
 }
 
-// Weights (S, n) of lines (n,) m in the means over strips, middles and widths (S,) m, of functions linear between them.
+// Weights (S, n) of lines (n,) m, with linear interpolation, in means over strips, middles and widths (S,) m.
 inline Array<double, 2> strip_shares(const Numbers& arc, const Numbers& middle, const Numbers& width) {
     Array<double, 2> share(middle.size(), arc.size());
     for (long i = 0; i < middle.size(); ++i) {
@@ -74,7 +74,7 @@ inline Array<double, 2> share_slopes(const Numbers& arc, const Numbers& middle, 
 
 using BetweenAllLines = View<const double, 5>;  // (ns, ns, cells, DEGREE + 1, COMPONENTS) coefficients between lines
 
-// Add the coefficients (cells, DEGREE + 1, COMPONENTS) of a pair of strips from those of lines.
+// Add the coefficients (cells, DEGREE + 1, COMPONENTS) of a pair of strips, from coefficients of lines.
 //
 // row, column: (n,) weights of the lines from the first in both strips. start: the first cell.
 inline void add_pair_mean(const BetweenAllLines& lines, long first, const Numbers& row, const Numbers& column,
@@ -93,7 +93,7 @@ inline void add_pair_mean(const BetweenAllLines& lines, long first, const Number
     }
 }
 
-// Coefficients of the pairs i <= j of C strips, the means over them, computed as far as a pair is looked up.
+// Coefficients of the pairs i <= j of C strips, means over both strips, computed on demand.
 struct PairMeans {
     BetweenAllLines lines;
     long first = 0;          // line from which on the weights count

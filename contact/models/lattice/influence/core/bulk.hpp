@@ -1,4 +1,4 @@
-// Displacement of strips by loads on others that finite bodies have beyond half-spaces, see
+// Deviation of finite bodies from half-spaces in the displacement of strips by loads on other strips, see
 // `wheelrail.contact.models.lattice.influence.bulk`.
 #pragma once
 #include <limits>

@@ -19,7 +19,7 @@ inline void store_compliance(const Blocks& G, double turn, const Compliance& K) 
         }
 }
 
-// Slips and displacements of the cells of strip i by unit tractions on those of strip j, into A (3, n, 3, n).
+// Slips and displacements of the cells of strip i by unit tractions on the cells of strip j, into A (3, n, 3, n).
 inline void store_cells(const Compliance& K, long i, long j, const StripGrid& grid, const StripBasis& basis,
                         const View<double, 4>& A) {
     long M = basis.M();
@@ -40,9 +40,9 @@ inline void store_cells(const Compliance& K, long i, long j, const StripGrid& gr
             }
 }
 
-// Slips along and across and relative normal displacement of all n cells by unit tractions on them (along, across, and
-// pressure): (3 n, 3 n), or without rolling displacement by pressure alone (n, n); rows and columns component by
-// component. The flag is false where distances exceed the tables.
+// Slips along and across and relative normal displacement of all n cells by unit tractions (along, across, pressure):
+// (3 n, 3 n), or without rolling displacement by pressure alone (n, n); rows and columns component by component. The
+// flag is false where distances exceed the tables.
 inline std::pair<bool, Array<double, 2>> cell_operator(const PairTables& tables, const StripGrid& grid,
                                                        const StripBasis& basis, bool rolls) {
     long S = grid.size(), R = basis.M() + 3, n = S * basis.M();

@@ -1,4 +1,4 @@
-// Deviation of a finite body from a half-space between its lines, computed tile by tile when it is first needed.
+// Deviation of a finite body from a half-space between its lines, computed tile by tile on demand.
 #pragma once
 #include <cmath>
 #include <functional>
@@ -44,7 +44,7 @@ struct DeviationWeights {
 
 class FiniteBody {
   public:
-    // Gives spectra (R, C, SPECTRA, K) of the displacement of the lines of a tile by loads on those of another one.
+    // Spectra (R, C, SPECTRA, K) of the displacement of the lines of a tile by loads on another tile.
     using Spectra = std::function<Array<double, 4>(long first, long second)>;
 
     // moves: whether strips move on the body.
@@ -82,7 +82,7 @@ class FiniteBody {
     double low() const { return bounds(0); }
     double high() const { return bounds(bounds.size() - 1); }
 
-    // Lines that cover an interval of arc length m, with coefficients between them. Throws OutsideSurface beyond.
+    // Lines that cover an interval of arc length m, with mutual coefficients. Throws OutsideSurface beyond.
     LineRange between(double from, double to) {
         if (from < low() || to > high()) throw OutsideSurface(BEYOND);
         long n = bulk.arc.size();
@@ -97,7 +97,7 @@ class FiniteBody {
     Numbers arc(LineRange range) const { return bulk.arc.part(range.first, range.stop); }
 
   private:
-    // Compute what is between two tiles, in both orders.
+    // Compute the coefficients between two tiles, in both orders.
     void fill(long i, long j) {
         auto of = spectra(i, j);
         long n = lines_of(), K = weights.even.shape[1];
@@ -133,9 +133,9 @@ class FiniteBody {
         }
         store_bulk(row, column), store_bulk(column, row);
     }
-    // Normal displacement m/N of lines, apart from each other, by lateral loads and by pressure on others. It varies
-    // little along a contact, and is the mean over the first cell with weights that fall linearly with the distance,
-    // 2 (G(l) - G(0)) / l^2 of G'' = C.
+    // Normal displacement m/N of separate lines by lateral loads and by pressure on other lines. It varies little along
+    // a contact, and is the mean over the first cell with weights that fall linearly with the distance, 2 (G(l) - G(0))
+    // / l^2 of G'' = C.
     void store_bulk(long row, long column) {
         auto first = lines[row][column][0];
         constexpr double width = 1.0 / CELLS, length = START / CELLS;
@@ -148,7 +148,7 @@ class FiniteBody {
     }
 };
 
-// Strips with middles and widths (C,) m, and the ends m of the part of a body that they cover.
+// Strips with middles and widths (C,) m, and the ends m of the covered part of a body.
 struct CoveredPart {
     double low = std::numeric_limits<double>::infinity(), high = -low;
 

@@ -113,13 +113,13 @@ class LatticeTables {
         add(some);
         completed.insert(some);
     }
-    // Whether these tables contain all pairs that have been added.
+    // Whether the tables contain all added pairs.
     bool holds(const PairTables& tables) {
         std::lock_guard lock(growing);
         return tables.first.data == first.data;
     }
-    // What the tables of strips near (K,) take from a pose. feet: (K,) m, arc length of their middles on the lower
-    // body. reach: m, longest distance along x. Throws OutsideSurface.
+    // Data of the tables of strips near (K,) at a pose. feet: (K,) m, arc length of their middles on the lower body.
+    // reach: m, longest distance along x. Throws OutsideSurface.
     Owned<PoseMeans> at(View<const bool, 1> near, Numbers feet, double reach) {
         if (!moves) return none();
         auto& lower = *bodies[1];

@@ -134,7 +134,7 @@ struct Operator {
         }
     }
 
-    // Slips and moments of strip i by the ends of strip j, whose boundaries they move.
+    // Slips and moments of strip i by the ends of strip j, through its cell boundaries.
     void add_ends(const Seen& slope, long i, long j) {
         double over = 1.0 / grid.length(i), per_slip = 1.0 / slip_power(grid.length(i), basis);
         for (int end = 0; end < 2; ++end) {

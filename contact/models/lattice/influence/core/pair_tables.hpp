@@ -35,7 +35,7 @@ struct PairTables {
     PairMeans smooth;         // deviation of the lower body from a half-space, in cells from START; none: in values
 
     auto fields() { return std::tie(values, pair, first, cells, inverse, place, smooth); }
-    // Numbers of pairs, thousands of strips have millions, are checked when they are looked up.
+    // Whether the sizes of the arrays fit; pair numbers, millions for thousands of strips, are checked on look-up.
     bool fits() const {
         long K = place.size(), P = first.size(), C = smooth.share.size();
         bool right = values.shape[1] == DEGREE + 1 && values.shape[2] == COMPONENTS && pair.shape[0] == K &&

@@ -5,7 +5,7 @@
 
 namespace wr {
 
-// Iterations and, where others than the loaded strips may enter, what these leave on them.
+// Outcome of the iterations, and the remaining penetration of unloaded strips where evaluated.
 struct Advance {
     Progress progress;      // of the iteration
     bool complete = false;  // whether the remaining penetration is known; not where it is not asked for or lacks tables
@@ -14,8 +14,7 @@ struct Advance {
     auto fields() { return std::tie(progress, complete, rest); }
 };
 
-// Iterations from values (S, block) until something happens to the strips and, where they converge or others may enter,
-// `search` of these.
+// Newton iterations from values (S, block) until convergence or a change of strips, with `search` for entering strips.
 //
 // kept: factors of an earlier state of the same strips. earlier: whether these are values and factors of the solution
 // at another pose: the first steps are taken with them, and are no iterations. There is none if the factors are not

@@ -1,4 +1,4 @@
-// Steps with the same factors, those of an earlier state or of a Jacobian that is still close enough.
+// Chord steps: Newton steps with an earlier factorisation.
 //
 // Broyden's good method: every step corrects the Jacobian by a rank-one update, so that steps contract the faster, the
 // more of them there are. P. Deuflhard, Newton Methods for Nonlinear Problems, 2011, sec. 2.1.4 (QNERR).

@@ -19,7 +19,7 @@ inline Probes probes_of(const LatticeProblem& problem) {
     return {problem.lattice(), problem.all().first, problem.all().second};
 }
 
-// Unloaded strips whose surfaces penetrate by more than a least penetration, and where they do. Throws OutsideSurface.
+// Unloaded strips with a penetration above a least one, and the ranges of penetration. Throws OutsideSurface.
 inline StripRanges overlaps(LatticeProblem& problem, const Remaining& rest, const Excess& least = LEAST_EXCESS) {
     if (!rest.inside) throw OutsideSurface(PATCH_TOO_LONG);
     StripRanges found;

@@ -38,12 +38,12 @@ struct Factors {
     }
 };
 
-// Whether factors are those of a number of strips with some cells and unknowns each.
+// Whether factors match a number of strips with some cells and unknowns each.
 inline bool fit(const Factors& factors, long strips, long cells, long block) {
     return factors.rows.size() == strips * block && factors.slopes.size() == strips && factors.slopes.shape[1] == cells;
 }
 
-// Factors of a Jacobian, and whether it is regular.
+// Factors of a Jacobian, and whether the Jacobian is regular.
 inline std::pair<bool, Factors> factorised(const Linearisation& at) {
     long S = at.slips.size(), n = at.jacobian.size(), block = n / S;
     Factors f{Array<float, 2>(n, n),

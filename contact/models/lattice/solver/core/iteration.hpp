@@ -1,4 +1,4 @@
-// Iterations of Newton's method on fixed strips, with the factors of an earlier state while these serve.
+// Newton iterations on fixed strips, with the factors of an earlier state while accurate enough.
 #pragma once
 #include "contact/models/lattice/solver/core/chords.hpp"
 #include "contact/models/lattice/solver/core/renewal.hpp"

@@ -11,7 +11,7 @@ constexpr int EXCHANGES = 3;           // times that a strip may leave before it
 constexpr int RELEASES = 2;            // times that such strips may enter again
 constexpr double UNINTERRUPTED = 1e9;  // multiplications of factorisations without a look at Ctrl-C: 0.1 s
 
-// Converged state, and factors of a Jacobian near to it, with which the solution at the next pose begins.
+// Converged state, and factors of a nearby Jacobian, for the start of the solution at the next pose.
 struct LatticeSolution {
     LatticeState state;
     Factors factors;
@@ -110,8 +110,8 @@ class LatticeNewton {
         auto found = at.complete ? overlaps(problem, at.rest) : penetrating(problem, state, strips_barred());
         return entered(problem, state, found);
     }
-    // Strips that enter although they had left too often. Throws NotConverged when that has happened before: a solution
-    // must not depend on what was tried.
+    // Release strips barred from entry after leaving too often. Throws NotConverged when that has happened before: a
+    // solution must not depend on what was tried.
     LatticeState released(const LatticeState& state) {
         if (strips_barred().empty()) return {};
         auto more = entered(problem, state, penetrating(problem, state, {}, UNCERTAIN));

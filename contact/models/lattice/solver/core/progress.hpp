@@ -1,15 +1,15 @@
-// Limits of an iteration on fixed strips, and where it has stopped.
+// Limits of an iteration on fixed strips, and the event at its end.
 #pragma once
 #include "contact/models/lattice/solver/core/factors.hpp"
 
 namespace wr {
 
-// What has stopped an iteration: CONVERGED; ENTRY: near to the solution of these strips, others may enter; LEAVES:
-// strips leave; PAUSED: all iterations are used up; OUTSIDE: beyond the surfaces or the tables; SINGULAR: the Jacobian;
-// TOO_LONG: the first step; NOT_FINITE: a step.
+// End of an iteration: CONVERGED; ENTRY: near to the solution of these strips, others may enter; LEAVES: strips leave;
+// PAUSED: all iterations are used up; OUTSIDE: beyond the surfaces or the tables; SINGULAR: the Jacobian; TOO_LONG: the
+// first step; NOT_FINITE: a step.
 enum Event { CONVERGED, ENTRY, LEAVES, PAUSED, OUTSIDE, SINGULAR, TOO_LONG, NOT_FINITE };
 
-// Factors of an earlier state, and the evaluation of the present one, if they are valid.
+// Factors of an earlier state, and the evaluation of the present state, if valid.
 struct KeptFactors {
     bool valid = false;
     Factors factors;

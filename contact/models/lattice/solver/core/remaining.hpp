@@ -12,7 +12,7 @@ constexpr int NARROWINGS = 6;  // of the range around a maximum, to a third of i
 constexpr long NEXT_TO = 2;    // strips: those nearer to a loaded one are probed around its middle, moved like crests
 constexpr double FLATTEST = 1e-2;  // 1/m, least curvature
 
-// Remaining penetration of n unloaded strips on which it may be positive.
+// Remaining penetration, possibly positive, of n unloaded strips.
 struct Remaining {
     bool inside = false;         // whether all points lie on the surfaces and in the tables
     Array<long, 1> strips;       // (n,) their numbers
@@ -42,9 +42,9 @@ struct Ranges {
     long size() const { return strips.size(); }
 };
 
-// Remaining penetration (n, C) m at the edge where strips that are not loaded begin to touch, means over the cells of a
-// basis from low to high (n,) m, and whether all points lie in the tables; values (S, block) of the loaded ones, onset
-// (K,) m of all. Beyond the lower body it is -inf.
+// Remaining penetration (n, C) m, where unloaded strips begin to touch, as means over the cells from low to high (n,)
+// m. The flag: whether all points lie in the tables. values (S, block) of the loaded strips, onset (K,) m of all.
+// Beyond the lower body it is -inf.
 inline std::pair<bool, Array<double, 2>> excess(Rows values, const EquationData& data, const Lattice& lattice,
                                                 Numbers onset, const StripBasis& basis, Indices strips, Numbers low,
                                                 Numbers high) {
@@ -98,7 +98,7 @@ inline Maximum maximum(Numbers means, double low, double high) {
     return {top + slope * offset - 0.5 * curvature * offset * offset, place + offset, curvature};
 }
 
-// Ranges of free strips in which they may touch: around the loaded ones (S, block), or their own crests.
+// Ranges of possible contact in free strips: around the loaded ones (S, block), or their own crests.
 inline Ranges probed_ranges(Rows values, const StripPlaces& places, const ContactLines& lines,
                             const std::vector<long>& free) {
     long n = long(free.size()), S = values.size(), last = values.shape[1] - 1;
@@ -190,8 +190,8 @@ inline Array<bool, 1> next_to_loaded(Indices loaded, View<const bool, 1> known, 
     return next;
 }
 
-// Strips (K,) near to contact (K,) towards which the remaining penetration highest (n,) m of unloaded strips free (n,)
-// grows, or next to where it is positive; known (K,): strips where it is known, or that are loaded.
+// Strips (K,) near to contact (K,) next to positive remaining penetration, or in the direction of its growth; highest
+// (n,) m, of unloaded strips free (n,); known (K,): strips where it is known, or that are loaded.
 inline Array<bool, 1> next_to_deeper(const std::vector<long>& free, Numbers highest, View<const bool, 1> known,
                                      View<const bool, 1> near) {
     long K = known.size();

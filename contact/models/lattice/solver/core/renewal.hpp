@@ -32,7 +32,7 @@ inline std::vector<long> changed_cells(Blocks before, Blocks after, Numbers rho)
     return cells;
 }
 
-// Changes (2 k, n) of the rows of some cells (k,) in the units of `Factors`, and these rows of the unit matrix.
+// Changes (2 k, n) of the rows of some cells (k,) in the units of `Factors`, and the same rows of the unit matrix.
 struct RowChanges {
     Array<float, 2> change, picked;
 
@@ -59,9 +59,8 @@ struct RowChanges {
     }
 };
 
-// Factors with the present slopes (S, M, SLOPES) of the friction residual, from those of an earlier state of the same
-// strips; rho (M,) 1/Pa. The flag is false where those of no cell have changed since the latest ones, or those of too
-// many since the Jacobian.
+// Update the factors for cells whose friction slopes (S, M, SLOPES) changed; rho (M,) 1/Pa. The flag is false if none
+// has changed since the latest factors, or too many since the Jacobian for a low-rank update.
 inline std::pair<bool, Factors> renewed(const Factors& factors, const Array<double, 3>& slopes, Numbers rho) {
     if (changed_cells(factors.present, slopes, rho).empty()) return {false, factors};
     auto cells = changed_cells(factors.slopes, slopes, rho);

@@ -1,4 +1,4 @@
-// Where the strips of a lattice touch at a pose, and which of them may come into contact.
+// First contact of the strips of a lattice at a pose, and the strips that may come into contact.
 #pragma once
 #include <array>
 #include <vector>
@@ -39,7 +39,7 @@ struct ContactLines {
     }
 };
 
-// Strips (K,) that penetrate or, of those near to contact (K,), lie where the gap is smallest, and the next ones.
+// Penetrating strips (K,) and, near to contact (K,), the strips at the smallest gap and their neighbours.
 inline Array<bool, 1> smallest_gaps(Numbers depth, View<const bool, 1> near) {
     long K = depth.size();
     Array<bool, 1> probed(K);

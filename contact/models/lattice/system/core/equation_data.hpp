@@ -1,4 +1,4 @@
-// What the equations of loaded strips are made from, and what they give.
+// Data of the equations of loaded strips, and their evaluation.
 #pragma once
 #include <tuple>
 
@@ -50,11 +50,11 @@ struct EquationData {
     // Column of the first pressure mode of a strip, and number of its unknowns.
     long mode() const { return rolls() ? 2 * basis.M() : 0; }
     long block() const { return mode() + MOMENTS; }
-    // Whether values are those of these strips.
+    // Whether values match the strips.
     bool fits(Rows values) const { return values.shape == std::array{strips(), block()}; }
 };
 
-// Residual of a state and what belongs to it.
+// Residual of a state, with intermediate results.
 struct Evaluation {
     bool inside = false;           // whether all points lie on the surfaces and in the tables
     Array<double, 2> residual;     // (S, block): friction Pa along and across, moments of the gap m

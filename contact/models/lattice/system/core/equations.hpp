@@ -156,8 +156,8 @@ inline Evaluation evaluate(Rows values, const EquationData& data) {
     return e;
 }
 
-// Add to an operator A (n, n), whose rows are slips and moments by displacements, what ends of strips do to
-// penetration, opening and rigid slip.
+// Add to an operator A (n, n), rows slips and moments by displacements, the effect of strip ends on penetration,
+// opening and rigid slip.
 inline void add_ends(Rows values, const Evaluation& e, const EquationData& data, View<double, 2> A) {
     const auto& [basis, places] = std::tie(data.basis, data.places);
     long M = basis.M(), block = data.block();
@@ -182,7 +182,7 @@ inline void add_ends(Rows values, const Evaluation& e, const EquationData& data,
     }
 }
 
-// Replace the slip rows of an operator A (n, n) by those of the friction residual with slopes (S, M, SLOPES).
+// Replace the slip rows of an operator A (n, n) by rows of the friction residual with slopes (S, M, SLOPES).
 inline void friction_rows(View<double, 2> A, Blocks slopes) {
     long S = slopes.size(), M = slopes.shape[1], block = A.size() / S;
     for (long i = 0; i < S; ++i)

@@ -79,7 +79,7 @@ struct PieceSamples {
     double depth[NODES] = {}, share[NODES] = {}, saddle = 0.0;
 };
 
-// max(a, b) times the least of a, b and the saddle between them.
+// max(a, b) times the least of a, b and the saddle between.
 template <class T>
 T overlap(const T& a, const T& b, const T& saddle) {
     bool first = value(a) > value(b);

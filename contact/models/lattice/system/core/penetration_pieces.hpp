@@ -30,7 +30,7 @@ struct LiftedPenetration {
     }
     double operator()(double s) const { return on({&s, {1}}).depth(0); }
 
-    // Bound m of a region of penetration between a line in it and one beside it, by the Illinois method.
+    // Bound m of a region of penetration between a line inside and a line outside, by the Illinois method.
     double edge(double inside, double outside) const {
         double f = (*this)(inside), g = (*this)(outside);
         int kept = 0;

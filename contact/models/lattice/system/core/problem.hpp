@@ -24,7 +24,7 @@ struct LatticeState {
     Strips strips;            // (S,) their numbers on the lattice, ascending
     Array<double, 2> values;  // (S, block), strip by strip: tractions, amplitudes of the pressure modes, and ends
 
-    // Those of a mask (S,), or of its opposite.
+    // State of the strips in a mask (S,), or in its complement.
     LatticeState at(View<const bool, 1> mask, bool value = true) const {
         LatticeState some;
         for (long i = 0; i < mask.size(); ++i)
@@ -34,7 +34,7 @@ struct LatticeState {
             if (mask(i) == value) some.set(k++, values[i]);
         return some;
     }
-    // These strips and others, in order.
+    // State with further strips, in order.
     LatticeState joined(const LatticeState& other) const {
         LatticeState all{{}, Array<double, 2>(values.size() + other.values.size(), values.shape[1])};
         std::size_t a = 0, b = 0;
@@ -173,7 +173,7 @@ class LatticeProblem {
         return stored[strips] = made;
     }
 
-    // Slips (M,) 1/Pa of cells by traction on them in plane strain, those of a displacement for the deepest strip. In a
+    // Slips (M,) 1/Pa of cells by their own traction in plane strain, from a displacement for the deepest strip. In a
     // cell where the law of friction divides stick from slip, the traction varies with the slip by these.
     const Array<double, 1>& rho() {
         if (!slips) {
@@ -188,13 +188,13 @@ class LatticeProblem {
         return *slips;
     }
 
-    // Whether the mean pressure over a cell is negative, as with few cells along a strip it may be at an end.
+    // Whether the mean pressure over a cell is negative, as may happen at a strip's end with few cells.
     bool tensile(const LatticeState& state) const {
         for (double pressure : cell_pressures(state.values, at.basis, at.rolls()))
             if (pressure < at.least_pressure) return true;
         return false;
     }
-    // Text on the largest tension of a solution with it, and its place.
+    // Message on the largest tension of a tensile solution, and its place.
     std::string tension(const LatticeState& state) const {
         auto pressures = cell_pressures(state.values, at.basis, at.rolls());
         auto cell = std::min_element(pressures.begin(), pressures.end()) - pressures.begin();
@@ -226,7 +226,7 @@ class LatticeProblem {
         return *gap;
     }
     Point<double> on_wheel(double s) const { return local(at.surface.wheel, s).point; }
-    // Text on a strip that penetrates where it is not solved.
+    // Message on a strip that penetrates outside the solved region.
     std::string overlap_at(long strip, const std::string& reason) const {
         if (!at.surface.revolves) return BEYOND;
         return overlap_text(lines.depth(strip), on_wheel(lattice().middle(strip)), reason);

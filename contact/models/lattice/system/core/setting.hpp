@@ -1,4 +1,4 @@
-// What a contact on strips is made of, at any pose.
+// Constituents of a strip contact at any pose: surfaces, tables, basis, laws.
 #pragma once
 #include <memory>
 #include <vector>

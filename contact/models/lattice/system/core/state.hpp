@@ -1,4 +1,4 @@
-// Values (S, block) of loaded strips, and what steps (S, block) do to them. Strip by strip: tractions Pa of the cells
+// Values (S, block) of loaded strips, and their change by steps (S, block). Strip by strip: tractions Pa of the cells
 // along and across (none without friction), amplitudes Pa of the pressure modes, and ends m.
 #pragma once
 #include <cmath>
