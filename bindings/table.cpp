@@ -11,8 +11,8 @@ using namespace nanobind::literals;
 
 namespace {
 
-// Pose (3,) m and (3, 3) of the wheel, and velocity m/s, angular velocity rad/s and reference m (3,) of the wheel and
-// of the rail.
+// Pose (3,) m and (3, 3) of the wheel. Velocity m/s, angular velocity rad/s and reference m (3,) of the wheel and of
+// the rail.
 struct WheelAndRail {
     Pose<double> pose;
     RigidMotion<double> motion;

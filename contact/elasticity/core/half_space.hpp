@@ -28,8 +28,8 @@ inline std::array<double, 2> fourfold_normal(double x, double y) {
     return {along / 6.0, across / 6.0};
 }
 
-// Antiderivatives, twice along the strips and as means over both, of x^2/r^3, y^2/r^3, x y/r^3, x/r^2 and y/r^2, y from
-// the loaded to the displaced strip.
+// Antiderivatives, twice along the strips, as means over both, of x^2/r^3, y^2/r^3, x y/r^3, x/r^2, y/r^2. y: from the
+// loaded to the displaced strip.
 //
 // x: m, distance along the strips. row, column: of the displaced and of the loaded strip, the same, or side by side.
 inline std::array<double, 5> pair_geometry(double x, const Bounds& row, const Bounds& column) {

@@ -57,8 +57,8 @@ inline std::array<Extremum<>, MAXIMA> extrema_of(const Rows& rows) {
     return all;
 }
 
-// First line of a scan, of a part of its lines, at which the penetration reaches an end of the wheel's profile, or of
-// the rail's; -1 without.
+// First line of part of a scan at which the penetration reaches an end of the wheel's or the rail's profile; -1
+// without.
 inline long first_beyond(const Scan& samples, const Part& part) {
     const auto& [depth, slope, x, sample] = samples;
     for (long i = part.first; i < part.second; ++i) {

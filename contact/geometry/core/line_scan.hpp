@@ -45,8 +45,8 @@ struct Lines {
     bool of(const Shape& rail) const { return rail_tangent.size() == rail.samples.size(); }
 };
 
-// Whether lines in a box, which the ordinary ones follow in the direction hand of y, may come closer to the rail than a
-// margin m.
+// Whether lines in a box, next to the ordinary ones in direction hand of y, may come closer to the rail than a margin
+// m.
 //
 // A point of theirs at a distance r from the axle and an angle t from the lowest place lies at the height
 // o_z + R_zy y + r (R_zx sin t - R_zz cos t), and laterally at o_y + R_yy y + r (R_yx sin t - R_yz cos t).

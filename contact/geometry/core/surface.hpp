@@ -271,7 +271,7 @@ auto shift_at(const Vec<T>& point, const Vec<T>& along, const Vec<T>& across, co
                     sum(times(0.5 * along, own + other))};
 }
 
-// Rigid tangential velocity (n, 2) m/s of the upper relative to the lower body, its derivative (n, 2) along x, and the
+// Rigid tangential velocity (n, 2) m/s of the upper relative to the lower body, and its derivative (n, 2) along x; the
 // mean velocity (n,) m/s of both in the longitudinal axes; level (n, 3): longitudinal axes where the strips touch.
 inline std::tuple<Array<double, 2>, Array<double, 2>, Array<double, 1>> rigid_shift(const SurfaceFrames& places,
                                                                                     const Rows& level,

@@ -39,7 +39,7 @@ struct StripMeans {
     }
 };
 
-// Lengths (S,) m of the stick zones of strips, from the margins (S, M) Pa of the tractions to their bounds, zero under
+// Lengths (S,) m of the stick zones of strips. From the margins (S, M) Pa of the tractions to their bounds, zero under
 // slip, and the lengths (S, M) m of the cells.
 //
 // Over the stick zone the margin is half an ellipse (Carter, Cattaneo), whose length follows from the integrals of the

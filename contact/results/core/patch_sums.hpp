@@ -45,8 +45,8 @@ struct PatchSums {
 
 inline void store_vector(const Vec<double>& a, const View<double, 1>& to) { to(0) = a.x, to(1) = a.y, to(2) = a.z; }
 
-// Work W per time, without that of other points, of a point's tractions on the rigid slip and of its pressure on the
-// slope of the penetration along x, whose displacements the pressure follows.
+// Power W of a point's tractions on the rigid slip, and of its pressure on the slope of the penetration along x, whose
+// displacements the pressure follows. Without the work of other points.
 inline double point_power(const PatchPoints& points, long q, const RigidMotion<double>& v, double speed) {
     auto at = vec_of(points.point[q]), x = vec_of(points.axes[q][0]), y = vec_of(points.axes[q][1]),
          out = vec_of(points.axes[q][2]), level = vec_of(points.level[q]);

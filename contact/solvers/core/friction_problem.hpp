@@ -146,8 +146,8 @@ class FrictionProblem {
     }
 
   private:
-    // Numbers (k,) of points that carry or may carry traction, ds/dq (2 k, 2 k), and dp/dq (k, 2 k), without rows
-    // where the pressure does not depend on the tractions.
+    // Numbers (k,) of points with possible traction, ds/dq (2 k, 2 k), and dp/dq (k, 2 k), without rows where the
+    // pressure does not depend on the tractions.
     struct Linearisation {
         std::vector<long> index;
         Array<double, 2> slip, pressure;

@@ -15,8 +15,8 @@ Motion<Dual<M>> widened(const Motion<Dual<N>>& m, int first) {
     return {w(m.position), w(m.velocity), {w(m.axes.x), w(m.axes.y), w(m.axes.z)}, w(m.rate)};
 }
 
-// Forces and moments on n bodies in common axes, and their derivatives by the directions of all bodies and by the
-// deflections of the springs of Maxwell elements.
+// Forces and moments on n bodies in common axes, and their derivatives by body directions and deflections of Maxwell
+// springs.
 class WrenchSlopes {
   public:
     WrenchSlopes(int n, int maxwell)
@@ -69,8 +69,8 @@ class WrenchSlopes {
     std::vector<double> series;
 };
 
-// Derivatives of the accelerations (6 n + m,) by states (12 n + m,), by time along the reference motion, and of those
-// of each body by force and moment of its contacts.
+// Derivatives of the accelerations (6 n + m,) by states (12 n + m,) and by time along the reference motion. Also of
+// each body's acceleration by force and moment of its contacts.
 struct VehicleDerivatives {
     static constexpr int OWN = Vehicle::OWN, TIME = Vehicle::TIME, PAIR = Vehicle::PAIR;
     using One = Dual<OWN>;

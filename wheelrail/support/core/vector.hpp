@@ -96,9 +96,8 @@ Matrix<T> rotation_matrix(const Vec<T>& v) {
             {second * x * z + first * y, second * y * z - first * x, 1.0 - second * (x * x + y * y)}};
 }
 
-// Moment that does the work of the gradient of a potential by the rotation vector rad, of the upper in the axes of the
-// lower body: transposed inverse of the left Jacobian of rotations, m = g + r x g / 2 + c r x (r x g), c = 1/12 for
-// small r.
+// Moment conjugate to the gradient of a potential by the rotation vector, rad, of the upper in the axes of the lower
+// body: transposed inverse of the left Jacobian of rotations, m = g + r x g / 2 + c r x (r x g), c = 1/12 for small r.
 template <class T>
 Vec<T> moment_of_gradient(const Vec<T>& rotation, const Vec<T>& gradient) {
     using std::sqrt, std::sin, std::cos;

@@ -64,8 +64,7 @@ Dual<N> axis_ratio(const Dual<N>& curvatures) {
     return curvatures.chain(k, k / (slope * curvatures.v));
 }
 
-// Semi-axes a, b m along x and y and peak pressure Pa, from coefficients A, B 1/m of the gap A x^2 + B y^2, the
-// approach m and E* Pa.
+// Semi-axes a, b m and peak pressure Pa. From coefficients A, B 1/m of the gap A x^2 + B y^2, the approach m and E* Pa.
 inline std::array<double, 3> ellipse(double A, double B, double approach, double E_star) {
     double k = axis_ratio(std::min(A, B) / std::max(A, B));
     auto [K, D] = complete(k);

@@ -38,8 +38,7 @@ long end_of(const I& contact, long start, long c) {
     return start;
 }
 
-// Centre m, as s and x, and semi-axes m, along and across, of the ellipse whose Hertz pressure has the same first and
-// second moments as strips.
+// Centre s, x m and semi-axes m, along and across, of the Hertz ellipse with the first and second moments of strips.
 template <class T>
 struct Moments {
     T s{}, x{}, along{}, across{};

@@ -32,8 +32,8 @@ struct Resultants {
     std::array<const T*, 3> all() const { return {&along, &across, &turning}; }
 };
 
-// Increments of a strip from flexibilities m/Pa, mean creepages of the patch, those in the middle of the strip, its
-// half length m, and the largest bound of its traction Pa.
+// Increments of a strip. From flexibilities m/Pa, creepages, mean of the patch and in the middle of the strip, its half
+// length m, and the largest bound of its traction Pa.
 template <class T>
 Increments<T> strip_increments(const ElasticFoundation<T>& flexible, const Creepages<T>& creep, const Creepages<T>& own,
                                const T& half, const T& bound) {

@@ -23,8 +23,8 @@ struct BodyDisplacements {
 // Cell boundary at which a part of a strip of M cells begins.
 inline long part_begin(long part, long M) { return (2 * part * M + THIRDS) / (2 * THIRDS); }
 
-// Fill the jumps (THIRDS + 1, 3) N/m, which are zero, of the mean forces per length on the parts of a strip, from jumps
-// (M + 1, 3) N/m at boundaries x m of its cells.
+// Fill zero jumps (THIRDS + 1, 3) N/m of the mean forces per length on the parts of a strip. From jumps (M + 1, 3) N/m
+// at boundaries x m of its cells.
 inline void store_mean_jumps(const Rows& forces, const Numbers& x, const View<double, 2>& jumps) {
     long M = forces.size() - 1;
     for (int k = 0; k < 3; ++k) {

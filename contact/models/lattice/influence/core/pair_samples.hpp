@@ -5,7 +5,7 @@
 
 namespace wr {
 
-// Start over the width, on the strip itself and next to it; over the distance, beyond.
+// Start over the width, for the same strip and adjacent ones; over the distance, beyond.
 constexpr double STARTS[] = {0.004, 0.03, 0.5};
 
 // Strips of a lattice on the upper body.

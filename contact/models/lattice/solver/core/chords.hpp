@@ -14,8 +14,8 @@ constexpr int CHORDS = 8;            // steps with the same factors
 constexpr double CONTRACTION = 0.5;  // of a step, for another one with the same factors: Deuflhard's
 constexpr double LEFT = 0.3;         // of the tolerance, error left by the last step if following ones contract like it
 
-// Full steps as long as they contract, no strip leaves or grows too much, and the state has not converged: from values
-// (S, block), their evaluation, and the first step (S, block). tolerance: of the last step, relative.
+// Full steps while contracting, until convergence or until a strip leaves or grows too much: from values (S, block),
+// their evaluation, and the first step (S, block). tolerance: of the last step, relative.
 inline Steps further_steps(const Array<double, 2>& start, const Array<double, 2>& first_step,
                            const Evaluation& evaluation, const EquationData& data, const Factors& factors,
                            double tolerance) {

@@ -49,8 +49,8 @@ inline Array<long, 1> strip_patches(Rows values, Indices strip, Numbers load) {
     return patch;
 }
 
-// Store places on both profiles and the longitudinal axis in the rail's surface, perpendicular to the axle, of point n
-// at s m on the wheel, with the closest point foot m on the rail.
+// Store places on both profiles and the longitudinal axis of point n at s m on the wheel, closest point foot m on the
+// rail. The axis is in the rail's surface, perpendicular to the axle.
 inline void store_places(const SurfaceData& surface, const Vec<double>& axle, const OnCurve<double>& wheel, double s,
                          double foot, const PatchPoints& points, long n) {
     points.on_wheel(n, 0) = s, points.on_rail(n, 0) = foot;

@@ -21,7 +21,7 @@ constexpr double LEAST_PART = 1e-10;  // touching part in the derivative of the 
 constexpr double OPENING = 2.5;       // exponent of the gap
 constexpr int BISECTIONS = 20;
 
-// Slope and second derivative at the middle one of three places at distances before and after it, from values there.
+// Slope and second derivative at the middle of three places, from values there and the distances before and after.
 template <class T>
 struct Parabola {
     T slope, bend;
@@ -81,7 +81,7 @@ struct PartialWidthChanges {
     auto fields() { return std::tie(onset, whole); }
 };
 
-// Relative derivatives of `partial_widths`, from the penetration depth and places middle (S, 3) m of strips and the
+// Relative derivatives of `partial_widths`. From the penetration depth and places middle (S, 3) m of strips and the
 // next ones on either side, curvature (S,) 1/m, width (S,) m, and derivatives change (S, 3, n) of the penetration.
 inline PartialWidthChanges partial_width_changes(Rows depth, Numbers curvature, Rows middle, Numbers width,
                                                  Blocks change) {
@@ -126,9 +126,9 @@ struct OpeningChanges {
     }
 };
 
-// Touching part of a width, or root of the load over that on the whole width where this is larger, under a penetration
-// depth m without load, measured where the strip begins to touch, with the displacement m under the load on the whole
-// width: root c of depth - onset - compliance c^2 + onset (1 - c)^(5/2), which falls with c, by bisection.
+// Touching part of a width, or root of the load relative to the whole width if larger. depth: penetration m without
+// load, where the strip begins to touch. compliance: displacement m under the load on the whole width. Root c of depth
+// - onset - compliance c^2 + onset (1 - c)^(5/2), which falls with c, by bisection.
 inline double pressed(double depth, double compliance, double onset) {
     double excess = depth - onset;
     if (excess >= compliance) return std::sqrt(std::max(excess, 0.0) / compliance);
