@@ -48,7 +48,7 @@ void bind_element(nb::module_& m) {
     m.def("parameter_variables", [] { return rows(parameter_variables()); }, "Likewise of its parameters.");
     structure<StandardData>(
         m, "StandardData", {"parameters", "extent", "wheel", "rail", "tangential"},
-        "What the standard contact of a pair needs: parameters; longest semi-axes m, along and across, of a patch that "
+        "Data of the standard contact of a pair: parameters; longest semi-axes m, along and across, of a patch that "
         "lies on both bodies; names of the profiles; tangential method where there is friction.");
     m.def(
         "standard_failure",

@@ -227,7 +227,7 @@ void bind_searches(nb::module_& m) {
             return overlap({wheel, rail, radius}, pose(origin, rotation), lines, wheel_name, rail_name);
         },
         "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "lines"_a, "wheel_name"_a, "rail_name"_a, Unlocked(),
-        "Text on an overlap whose regions are beyond what is solved; others as for `wheel_regions`.");
+        "Message on interpenetration beyond the solved regions; others as for `wheel_regions`.");
     m.def(
         "wheel_regions",
         [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,

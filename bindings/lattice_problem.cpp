@@ -98,7 +98,7 @@ void bind_bodies(nb::module_& m) {
 }
 
 void bind_problem(nb::module_& m) {
-    nb::class_<LatticeSetting> setting(m, "LatticeSetting", "What a contact on strips is made of, at any pose.");
+    nb::class_<LatticeSetting> setting(m, "LatticeSetting", "Constituents of a strip contact, at any pose.");
     setting.def(
         "__init__",
         [](LatticeSetting* self, const SurfaceData& surface, const std::optional<nb::object>& lines,

@@ -178,7 +178,7 @@ void bind_strips(nb::module_& m) {
 void bind_wheels(nb::module_& m) {
     structure<Parameters>(
         m, "Parameters", {"wheel", "rail", "radius", "lines", "merge", "elastic", "method", "mu", "reduction", "cells"},
-        "What is the same for all wheels of a pair of profiles: wheel, rail, radius m, lines and merge m as for "
+        "Parameters common to all wheels of a pair of profiles: wheel, rail, radius m, lines and merge m as for "
         "`wheel_regions`; constants of both bodies; method of the tangential problem, see `StripFriction`; friction "
         "coefficient mu; factors of Polach's formula; cells along each strip.");
     structure<WheelForces>(

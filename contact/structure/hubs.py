@@ -134,9 +134,7 @@ def hub_compliance(
 
 
 def _harmonics(outline: Outline, axle: AxleShape, steel: Material, wheel_y: float) -> dict[str, Array]:
-    """Arrays of `HubCompliance`: what the axle adds to the harmonics of a wheel clamped at its bore, by rigid motions
-    of the hub.
-    """
+    """Arrays of `HubCompliance`: compliance of the hubs' rigid motions on an elastic axle, harmonics 0 and 1."""
     from wheelrail.contact.structure.half_wheelset import HalfWheelset, rigid_modes  # imports dolfinx
 
     half = HalfWheelset(outline, axle, steel, wheel_y)

@@ -30,9 +30,7 @@ class RimCompliance:
 
     @property
     def matrix(self) -> Array:
-        """Negative compliance (12, 12) of both wheels: takes the rims' motions out of those of wheels clamped at their
-        bores.
-        """
+        """Minus the compliance (12, 12) of the rims' rigid motions: added where the host models flexible wheels."""
         return -np.kron(np.eye(2), self.rim)
 
     @property

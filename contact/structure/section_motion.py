@@ -55,7 +55,7 @@ class SectionMotion:
 
     @property
     def removed(self) -> RailCompliance:
-        """Negative compliance that takes the motion of the section out of that of the rail clamped at its foot."""
+        """Minus the compliance of the section's mean motion, to add to the compliance of a rail clamped at its foot."""
         return RailCompliance(-self.own, self.foot, self.misfit)
 
 

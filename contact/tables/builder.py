@@ -223,7 +223,7 @@ def completed(rows: Array, nodes: Array) -> Array:
 
 
 def to_and_fro(inner: Array, outer: Array) -> list[tuple[float, float]]:
-    """Pairs of nodes, each beside the one before: a solve starts from a close one.
+    """Boustrophedon order of the pairs of nodes, so that each solve starts from its neighbour.
 
     The lateral creepage, the outer one, moves the patch of a flange: it changes least often.
     """

@@ -109,8 +109,8 @@ class History:
 
     @cached_property
     def motion(self) -> VehicleState:
-        """Parts of the states whose x, and angles of rolling of the wheelsets, count from a reference motion with
-        `distance` and `speeds`: that of the run or, of a vehicle that runs free, that of its centre of mass.
+        """States with x, and rolling angles of the wheelsets, relative to a reference motion with `distance` and
+        `speeds`: that of the run or, of a vehicle that runs free, that of its centre of mass.
         """
         parts = self.dynamics.coordinates.split(self.state)
         if not self.dynamics.runs_free:

@@ -167,9 +167,9 @@ class TimeRun:
                 self.checkpoints.write(self._checkpoint(step, jacobian))
 
     def _next_end(self, time: float) -> float:
-        """Next time s at which a step has to end: at a kink of torques and forces, and at a row of a vehicle that runs
-        free. Between the ends of its steps, which become long, the slower it is, the more its creep forces are those of
-        the errors of interpolated rates, over a speed that falls.
+        """Next time s at which a step must end: at a kink of torques and forces, and at a row of a free-running
+        vehicle. At low speed its steps are long, and the errors of rates interpolated within them dominate its creep
+        forces.
         """
         kinks = self.dynamics.loads.kinks
         after = kinks[i] if (i := bisect_right(kinks, time)) < len(kinks) else inf

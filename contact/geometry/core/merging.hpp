@@ -1,5 +1,5 @@
-// Continuous merging of penetration maxima into one contact as they approach each other, or as the minimum between them
-// vanishes, so that forces do not jump: they share its weight, and the region of each extends over the others.
+// Continuous merging of penetration maxima into one contact when close together, or when the minimum between vanishes,
+// so that forces do not jump: they share its weight, and the region of each extends over the others.
 #pragma once
 #include <span>
 

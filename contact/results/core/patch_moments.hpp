@@ -93,8 +93,8 @@ inline double spread(const StripMeans& strips, Numbers marks) {
     return std::sqrt(5.0 * std::max(moment / total, 0.0));
 }
 
-// The same across, of strips with loads (S,) N, middles and widths (S,) m: the load of outer strips, reduced where they
-// are wider than the contact, makes up for their variation across.
+// Lateral semi-axis m of the Hertz ellipse with the second moment of strips with loads (S,) N, middles and widths (S,)
+// m: the load of outer strips, reduced where they are wider than the contact, makes up for their variation across.
 inline double lateral_spread(Numbers load, Numbers middle, Numbers width) {
     double total = 0.0, centre = 0.0, moment = 0.0;
     for (long i = 0; i < load.size(); ++i) {

@@ -45,7 +45,7 @@ struct PatchSums {
 
 inline void store_vector(const Vec<double>& a, const View<double, 1>& to) { to(0) = a.x, to(1) = a.y, to(2) = a.z; }
 
-// Power W of a point's tractions on the rigid slip, and of its pressure on the slope of the penetration along x, whose
+// Power W of a point's tractions on the rigid slip, and of its pressure on the penetration's slope along x, whose
 // displacements the pressure follows. Without the work of other points.
 inline double point_power(const PatchPoints& points, long q, const RigidMotion<double>& v, double speed) {
     auto at = vec_of(points.point[q]), x = vec_of(points.axes[q][0]), y = vec_of(points.axes[q][1]),

@@ -146,7 +146,7 @@ class FrictionProblem {
     }
 
   private:
-    // Numbers (k,) of points with possible traction, ds/dq (2 k, 2 k), and dp/dq (k, 2 k), without rows where the
+    // Numbers (k,) of points with possible traction, ds/dq (2 k, 2 k), and dp/dq (k, 2 k). Without rows where the
     // pressure does not depend on the tractions.
     struct Linearisation {
         std::vector<long> index;

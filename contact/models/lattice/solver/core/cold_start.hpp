@@ -165,8 +165,8 @@ inline Array<double, 1> cell_creepages(const LatticeProblem& problem, const Stri
     return rigid;
 }
 
-// Tractions of the cells, see `solve_tractions`. Where they do not converge, those of friction that is not coupled to
-// the pressure, and where these do not either, the pressure alone.
+// Tractions of the cells, see `solve_tractions`; without convergence, friction uncoupled from the pressure; failing
+// that, the pressure alone.
 inline Tractions start_tractions(const LatticeProblem& problem, const Array<double, 2>& matrix, Numbers depth,
                                  const Array<double, 1>& rigid) {
     const auto& law = problem.all().law;

@@ -84,8 +84,8 @@ struct Maximum {
     double height, place, curvature;  // m, m, 1/m
 };
 
-// That of the parabola with the largest of means (C,) over cells from low to high m and the next ones: at the middle of
-// a cell it is higher than its mean by a third of what it falls within half a cell.
+// Maximum of the parabola with the largest of means (C,) over cells from low to high m and the next ones: at the middle
+// of a cell it is higher than its mean by a third of what it falls within half a cell.
 inline Maximum maximum(Numbers means, double low, double high) {
     long C = means.size(), largest = std::max_element(means.begin(), means.end()) - means.begin();
     double step = (high - low) / double(C);
