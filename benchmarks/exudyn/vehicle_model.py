@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 from wheelrail.api.elements.wheelset_element import WheelsetElement
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.coordinates import Coordinates
-from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
+from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
 from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.wagon.force_law import Law
 
@@ -89,7 +89,7 @@ class VehicleForces:
 
     @cached_property
     def static_loads(self) -> Array:
-        return SuspensionForces(Coordinates(self.vehicle)).static_loads
+        return SuspensionArrays(Coordinates(self.vehicle)).static_loads
 
     def __call__(self, motion: Motion) -> tuple[Array, Array]:
         """Force and moment (n, 3) on each body without gravity, N and N m about its centre of mass."""

@@ -1,4 +1,6 @@
-"""Friction laws: the friction coefficient as a function of slip velocity and pressure."""
+"""Friction laws: the friction coefficient as a function of slip velocity and pressure; the regularised traction is in
+`wheelrail.forms.traction`.
+"""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, Coordinates, X, Y, Z
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.suspension_forces import Ends, SuspensionForces
+from wheelrail.vehicle.multibody.suspension_arrays import Ends, SuspensionArrays
 from wheelrail.vehicle.track.section_poses import SectionPoses, TrackSections
 from wheelrail.vehicle.track.speed_profile import TrackPosition
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
@@ -216,7 +216,7 @@ class NumpySuspension:
         of: the vehicle's arrays.
     """
 
-    of: SuspensionForces
+    of: SuspensionArrays
 
     @property
     def coordinates(self) -> Coordinates:

@@ -249,6 +249,18 @@ def test_contributing_lists_the_levels(top: str) -> None:
     assert f"| `{top}` | {row} |" in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()
 
 
+def test_contributing_says_where_things_are() -> None:
+    """A row's first file has a path, the others next to it may go without."""
+    table = (
+        (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("| where is | file |")[2].partition("\n\n")[0]
+    )
+    rows = [re.findall(r"`([\w/]+\.\w+)`", row) for row in table.splitlines()[2:]]
+    assert len(rows) > 8
+    for row in rows:
+        places = {ROOT, *((ROOT / name).parent for name in row)}
+        assert not [name for name in row if not any((place / name).exists() for place in places)]
+
+
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.relative_to(ROOT)))
 def test_own_imports_are_absolute(path: Path) -> None:
     assert not roots(path, nested=True) & {*SCIENCE, "scenes", "support", "api", "cli", "benchmarks", "tests"}

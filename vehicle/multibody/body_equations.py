@@ -14,7 +14,7 @@ from wheelrail.bindings._vehicle import Vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.coordinates import Coordinates
-from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
+from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
 from wheelrail.vehicle.multibody.vehicle_core import vehicle_core
 from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.speed_profile import TrackPosition
@@ -58,7 +58,7 @@ class BodyEquations:
         applied: torques and forces on the vehicle.
     """
 
-    suspension: SuspensionForces
+    suspension: SuspensionArrays
     track: TrackSections
     applied: AppliedForces
 

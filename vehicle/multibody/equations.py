@@ -21,7 +21,7 @@ from wheelrail.vehicle.loads.applied_loads import AppliedLoads
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquations
 from wheelrail.vehicle.multibody.coordinates import PITCH, RATE_SCALE, ROLL, YAW, Coordinates, X, Y, Z
-from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
+from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
 from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.speed_profile import SpeedProfile, TrackPosition
@@ -89,8 +89,8 @@ class VehicleDynamics:
         return Coordinates(self.vehicle)
 
     @cached_property
-    def suspension(self) -> SuspensionForces:
-        return SuspensionForces(self.coordinates)
+    def suspension(self) -> SuspensionArrays:
+        return SuspensionArrays(self.coordinates)
 
     @cached_property
     def bodies(self) -> BodyEquations:

@@ -10,12 +10,12 @@ from wheelrail.vehicle.wagon.force_law import ForceLaw
 
 if TYPE_CHECKING:
     from wheelrail.vehicle.multibody.applied_forces import AppliedForces
-    from wheelrail.vehicle.multibody.suspension_forces import SuspensionForces
+    from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
     from wheelrail.vehicle.track.section_poses import TrackSections
     from wheelrail.vehicle.wagon.force_law import Law
 
 
-def vehicle_core(suspension: SuspensionForces, sections: TrackSections, applied: AppliedForces) -> core.Vehicle:
+def vehicle_core(suspension: SuspensionArrays, sections: TrackSections, applied: AppliedForces) -> core.Vehicle:
     """Equations of motion.
 
     Parameters:

@@ -27,7 +27,7 @@ class Ends(NamedTuple):
 
 
 @dataclass(frozen=True)
-class SuspensionForces:
+class SuspensionArrays:
     """Suspension of a vehicle as arrays.
 
     Parameters:
