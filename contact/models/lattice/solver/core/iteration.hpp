@@ -1,4 +1,4 @@
-// Newton iterations on fixed strips, with the factors of an earlier state while accurate enough.
+// Newton iterations on fixed strips, with the factors of an earlier state while steps contract.
 #pragma once
 #include "contact/models/lattice/solver/core/chords.hpp"
 #include "contact/models/lattice/solver/core/renewal.hpp"
