@@ -1,4 +1,4 @@
-"""Tractions at the contact points from their compliance: exact and regularised laws, pressure and friction together.
+"""Tractions at the contact points from their compliance, eq. (15): exact and regularised laws, with friction.
 
 Unknowns are the pressures p and tangential tractions q. Penetration d and slip s are linear in them by the relative
 compliance:  d = d0 + D q - N p,  s = c + S q + T p.
