@@ -201,8 +201,8 @@ class Trial:
 
     @cached_property
     def slopes(self) -> tuple[Array, Array]:
-        """Derivatives (2, 6, 27) of the wrenches and (18, 27) of the loads by the coordinates of the state, then the
-        motions.
+        """Derivatives (2, 6, 27) of the wrenches and (18, 27) of the loads by the state's coordinates, then the motions
+        in its frame.
         """
         wrenches, loads = np.zeros((2, 6, COLUMNS)), np.zeros((2, 9, COLUMNS))
         for index, (pair, wrench, result) in enumerate(zip(self.pairs, self.wrenches, self.results, strict=True)):
@@ -407,47 +407,31 @@ class FlexibleWheelset:
         base, guess = self.contact.mounting.wheel_y, earlier.results
         approach = np.array([result.approach for result in guess])
         expected = np.maximum(approach, 0.1 * approach.max())
+        deepest = float(expected.max())
 
-        def solved(state: WheelsetState, own: Results | None) -> Results:
-            return self._trial(state, motions, own or guess).results
+        def at(depths: Array | float) -> WheelsetState:
+            return at_depths(level, np.broadcast_to(depths, 2), base)
 
-        def penetrations(state: WheelsetState) -> Array:
-            pairs = self._pairs(state, motions)
-            models = [self.contact.of(side).model for side in SIDES]
-            return np.array(
-                [penetration_of(own, pair.pose, pair.motion) for own, pair in zip(models, pairs, strict=True)]
-            )
+        def solved(depths: Array | float, own: Results | None) -> Results:
+            return self._trial(at(depths), motions, own or guess).results
+
+        def penetrations(depths: Array) -> Array:
+            pairs = zip(SIDES, self._pairs(at(depths), motions), strict=True)
+            return np.array([penetration_of(self.contact.of(side).model, own.pose, own.motion) for side, own in pairs])
 
         if len(loads.free) == 1:
-            deepest = float(expected.max())
             start = lifted(
-                np.array([-level.z]),
-                expected.max(keepdims=True),
-                deepest,
-                lambda depth: penetrations(replace(level, z=-float(depth[0]))).max(keepdims=True),
+                np.array([-level.z]), np.array([deepest]), deepest, lambda own: penetrations(own).max(keepdims=True)
             )
             found = find_depth_for_load(
-                lambda depth, own: solved(replace(level, z=-depth), own),
-                float(loads.values[0]),
-                expected=deepest,
-                start=float(start[0]),
-                rtol=rtol,
+                solved, float(loads.values[0]), expected=deepest, start=float(start[0]), rtol=rtol
             )
-            state, results, trials = replace(level, z=-found.depth), found.results, found.trials
+            state, results, trials = at(found.depth), found.results, found.trials
         else:
-            depths, results, trials = find_depths_for_loads(
-                lambda depths, own: solved(at_depths(level, depths, base), own),
-                loads.values,
-                start=lifted(
-                    np.full(2, -level.z),
-                    expected,
-                    float(expected.max()),
-                    lambda depths: penetrations(at_depths(level, depths, base)),
-                ),
-                slopes=compliant(float(loads.values.max())) / expected,
-                rtol=rtol,
-            )
-            state = at_depths(level, depths, base)
+            start = lifted(np.full(2, -level.z), expected, deepest, penetrations)
+            slopes = compliant(float(loads.values.max())) / expected
+            depths, results, trials = find_depths_for_loads(solved, loads.values, start=start, slopes=slopes, rtol=rtol)
+            state = at(depths)
         return Trial(state, motions, self._pairs(state, motions), results), 2 * trials
 
     def _outcome(self, trial: Trial, solves: int, errors: list[float]) -> FlexibleEquilibrium:

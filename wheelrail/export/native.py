@@ -35,7 +35,7 @@ LIBRARY = "lib/libwheelrail.so"  # in a folder of its own: Python takes others f
 
 
 def needs_python(wheelset: Wheelset) -> str:
-    """Part of a wheelset's contact that only Python solves; empty if nothing is."""
+    """Part of a wheelset's contact that only Python solves; empty without one."""
     contact = wheelset.element().contact
     if not isinstance(contact, WheelsetContact):
         return "an elastic axle and elastic pads"

@@ -322,8 +322,9 @@ def test_wheels_far_too_deep_are_lifted_before_a_solve(loads: Loads, monkeypatch
     solve, approaches = LatticeContact.__call__, []
 
     def observed(*given: Any) -> ContactResult:
-        approaches.append(solve(*given).approach)
-        return solve(*given)
+        result = solve(*given)
+        approaches.append(result.approach)
+        return result
 
     monkeypatch.setattr(LatticeContact, "__call__", observed)
     deep = replace(start.state, z=start.state.z - 1.5e-3)
