@@ -12,13 +12,15 @@ from typing import Literal
 
 import numpy as np
 
+from wheelrail.support.arrays import Array
+
 Name = Literal["C11", "C22", "C23", "C33"]
 
 RATIO = np.arange(1, 11) / 10  # short over long semi-axis
 POISSON = np.array([0.0, 0.25, 0.5])
 
 # rows Poisson's ratio, columns RATIO; first for a <= b (a along the rolling direction), then for a >= b
-TABLE = {
+TABLE: dict[Name, Array] = {
     "C11": np.array(
         [
             [

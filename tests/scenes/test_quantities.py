@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from wheelrail.scenes.quantities import CONTACT, READERS, RUN, SOLUTION
+from wheelrail.scenes.quantities import CONTACT, CYCLE, READERS, RUN, SAFETY, SOLUTION
 from wheelrail.scenes.quantity import SCALES, Quantity
 from wheelrail.scenes.studies.quantities import MAIN, QUANTITIES
 
-EVERY = [*RUN.items(), *CONTACT.items(), *SOLUTION.items(), *QUANTITIES.items()]
+EVERY = [entry for table in (RUN, CONTACT, SOLUTION, QUANTITIES, CYCLE, SAFETY) for entry in table.items()]
 
 
 def test_shown_units_are_those_of_the_si_unit() -> None:

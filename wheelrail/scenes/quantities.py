@@ -6,6 +6,7 @@ from typing import Any
 
 from wheelrail.contact.results.packed_patches import COLUMNS
 from wheelrail.scenes.quantity import Quantity, Schema
+from wheelrail.scenes.schema.profiles import SIDES
 
 AXES = ("longitudinal", "lateral", "vertical")
 TURNS = ("roll", "spin", "yaw")
@@ -339,3 +340,20 @@ SOLUTION = _shown(
         "stress_seconds": Quantity(("side", "body"), "s", "computing time of the stress", False),
     }
 )
+# Motion of a vehicle on straight track after a kick, and its modes.
+CYCLE = {
+    "speed": Quantity((), "m/s", "speed", label="speed"),
+    "amplitude": Quantity(BY_WHEELSET[1:], "m", "half the difference of extreme displacements", True, "y", "mm", 3),
+    "growth": Quantity((), "1/s", "growth of small motions", label="growth of small motions", digits=3),
+    "frequency": Quantity((), "Hz", "frequency", label="frequency", digits=3),
+    "track_shifting_force": RUN["track_shifting_force"]._replace(sign=""),
+    "frictional_power": RUN["frictional_power"]._replace(label="frictional power", shown="kW", digits=3),
+    "duration": Quantity((), "s", "duration", label="duration", digits=1),
+}
+# Assessed quantities of running safety, the percentile of a filtered history each.
+SAFETY = {
+    "track_shifting": Quantity((), "N", label="sum of Y, 2 m mean, to the right", shown="kN", digits=2),
+    **{f"quotient_{side}": Quantity((), "1", label=f"Y/Q, 2 m mean, {side}", digits=3) for side in SIDES},
+    **{f"load_{side}": Quantity((), "N", label=f"Q, {side}", shown="kN", digits=1) for side in SIDES},
+    "instability": Quantity((), "N", label="rms of the sum of Y over 100 m", shown="kN", digits=2),
+}

@@ -9,7 +9,7 @@ from math import isfinite, isnan
 from pathlib import Path
 from typing import Any
 
-from wheelrail.scenes.quantity import SCALES, fixed, significant
+from wheelrail.scenes.quantity import SCALES, Quantity, fixed, significant
 
 FIGURES = 4  # significant ones of numbers without a number of decimals
 
@@ -62,6 +62,11 @@ class Column:
     of: Callable[[Any], Any]
     unit: str = ""
     digits: int | None = None
+
+    @classmethod
+    def showing(cls, quantity: Quantity, of: Callable[[Any], Any], name: str = "") -> Column:
+        """Column of a quantity of results; name: its key in JSON."""
+        return cls(name, quantity.name, of, quantity.shown or quantity.unit, quantity.digits)
 
     @property
     def head(self) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
 from wheelrail.scenes.plots.style import SERIES, literal, save, styled
-from wheelrail.scenes.quantity import fixed
+from wheelrail.scenes.quantities import CYCLE
 from wheelrail.scenes.runs.run import vehicle_for_run
 from wheelrail.scenes.runs.steady import failures_as_run_failed, vehicle_dynamics
 from wheelrail.scenes.schema.errors import SceneError
@@ -63,23 +64,29 @@ def fold_line(cycles: Sequence[LimitCycle]) -> str:
 
 def hunting_table(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> ResultTable:
     """Table with one row per speed."""
+    y = CYCLE["amplitude"]
     columns = [
-        Column("speed", "speed", lambda c: c.speed, "m/s"),
+        _column("speed"),
         Column("status", "status", lambda c: c.status),
-        *(Column("", f"{name} y [mm]", partial(_amplitude, wheelset=k)) for k, name in enumerate(wheelsets)),
+        *(Column.showing(y._replace(label=f"{name} y"), partial(_amplitude, k)) for k, name in enumerate(wheelsets)),
         Column("amplitude", "", lambda c: dict(zip(wheelsets, c.amplitude.tolist(), strict=True)), "m"),
-        Column("growth", "growth of small motions", lambda c: c.growth, "1/s", 3),
-        Column("frequency", "frequency", lambda c: c.frequency, "Hz", 3),
-        Column("track_shifting_force", "sum of Y", lambda c: float(c.track_shifting.max()), "kN", 2),
-        Column("frictional_power", "frictional power", lambda c: c.frictional_power, "kW", 3),
-        Column("duration", "duration", lambda c: c.duration, "s", 1),
+        _column("growth"),
+        _column("frequency"),
+        Column.showing(CYCLE["track_shifting_force"], lambda c: float(c.track_shifting.max()), "track_shifting_force"),
+        _column("frictional_power"),
+        _column("duration"),
     ]
     title = "Motion on straight track after a kick, each speed from the motion at the one before"
     return ResultTable("cycles", title, columns, sorted(cycles, key=lambda c: -c.speed))
 
 
-def _amplitude(cycle: LimitCycle, wheelset: int) -> str:
-    return fixed(1e3 * cycle.amplitude[wheelset], 3)
+def _column(name: str) -> Column:
+    """Column of a number of each cycle."""
+    return Column.showing(CYCLE[name], attrgetter(name), name)
+
+
+def _amplitude(wheelset: int, cycle: LimitCycle) -> float:
+    return float(cycle.amplitude[wheelset])
 
 
 def hunting_results(cycles: Sequence[LimitCycle], wheelsets: Sequence[str], fold: bool) -> Results:
@@ -115,8 +122,8 @@ def _bifurcation(cycles: Sequence[LimitCycle], wheelsets: Sequence[str]) -> Figu
     for i, name in enumerate(wheelsets):
         ax.plot(speeds, [1e3 * c.amplitude[i] for c in cycles], label=literal(name), **SERIES[i % len(SERIES)])
     ax.set_title("Amplitude of the lateral motion over speed")
-    ax.set_xlabel("speed [m/s]")
-    ax.set_ylabel("amplitude of y [mm]")
+    ax.set_xlabel(CYCLE["speed"].head)
+    ax.set_ylabel(f"amplitude of {CYCLE['amplitude'].head}")
     ax.set_ylim(bottom=0.0)
     ax.legend()
     return figure

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.scenes.datasets.result_table import Results, TextTable
 from wheelrail.scenes.datasets.run_file import read_run
-from wheelrail.scenes.quantity import fixed
+from wheelrail.scenes.quantities import SAFETY
 from wheelrail.scenes.runs.files import RESULTS
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.evaluation.running_safety import WINDOW, Assessed, WheelsetSafety, wheelset_safety
@@ -53,7 +54,7 @@ def safety_of_data(data: Dataset, file: Path, start: float = 0.0, end: float = i
     status, remarks = str(data.attrs.get("status", "of unknown status")), list[str]()
     if status != "completed":
         remarks.append(f"The run is not complete and ends at {float(data['distance'][-1]):.1f} m: {status}")
-    forces = section[["guiding_force", "vertical_force"]].sel(side=["left", "right"])
+    forces = section[["guiding_force", "vertical_force"]].sel(side=list(SIDES))
     forces = forces.transpose("time", "wheelset", "side")
     known = np.isfinite(forces["guiding_force"].values + forces["vertical_force"].values).all(axis=(1, 2))
     if not known.all():
@@ -81,11 +82,16 @@ def safety_of_data(data: Dataset, file: Path, start: float = 0.0, end: float = i
 def safety_results(safety: Safety) -> Results:
     """Table for readers; value, place, limit and result of every quantity of every wheelset for programs."""
     rows = [
-        {"wheelset": name, **{key: _facts(quantity(own)) for key, _, _, _, quantity in ROWS}}
+        {"wheelset": name, **{key: _facts(one) for key, one in _assessed(own).items()}}
         for name, own in safety.wheelsets.items()
     ]
-    units = {"place": "m", **{key: "1" if scale == 1.0 else "N" for key, _, scale, _, _ in ROWS}}
+    units = {"place": "m", **{key: own.unit for key, own in SAFETY.items()}}
     return Results("evaluate", [safety_table(*safety)], {"remarks": safety.remarks, "wheelsets": rows}, units)
+
+
+def _assessed(own: WheelsetSafety) -> dict[str, Assessed]:
+    """Assessed quantities by the keys of SAFETY."""
+    return dict(zip(SAFETY, (own.track_shifting, *own.quotient, *own.load, own.instability), strict=True))
 
 
 def _facts(one: Assessed) -> dict[str, Any]:
@@ -96,26 +102,14 @@ def safety_table(wheelsets: dict[str, WheelsetSafety], remarks: Sequence[str] = 
     """Table of safety quantities: value and place for every wheelset, limit, compliance; remarks follow its title."""
     title = f"Running safety and track loading after EN 14363: value, and place along the track (m). {UNCONFIRMED}"
     rows = []
-    for _, label, scale, digits, quantity in ROWS:
-        values = [quantity(wheelset) for wheelset in wheelsets.values()]
-        texts = (
-            f"{fixed(scale * one.value, digits)} at {one.place:.0f}" if np.isfinite(one.value) else "-"
-            for one in values
-        )
+    assessed = [_assessed(own) for own in wheelsets.values()]
+    for key, own in SAFETY.items():
+        values = [each[key] for each in assessed]
+        texts = (f"{own.texts([one.value])} at {one.place:.0f}" if np.isfinite(one.value) else "-" for one in values)
         known = [one.passed for one in values if one.passed is not None]
         result = ("pass" if all(known) else "FAIL") if known else "-"
         limit = values[0].limit
-        rows.append([label, *texts, "no limit" if limit is None else f"{scale * limit:.4g}", result])
-    head = ["", *wheelsets, "limit", "result"]
-    return TextTable(". ".join([title, *remarks]), head, rows, frozenset(range(1, len(head))))
-
-
-# Key, label, scale, digits, quantity.
-ROWS: tuple[tuple[str, str, float, int, Callable[[WheelsetSafety], Assessed]], ...] = (
-    ("track_shifting", "sum of Y, 2 m mean, to the right [kN]", 1e-3, 2, lambda w: w.track_shifting),
-    ("quotient_left", "Y/Q, 2 m mean, left", 1.0, 3, lambda w: w.quotient[0]),
-    ("quotient_right", "Y/Q, 2 m mean, right", 1.0, 3, lambda w: w.quotient[1]),
-    ("load_left", "Q, left [kN]", 1e-3, 1, lambda w: w.load[0]),
-    ("load_right", "Q, right [kN]", 1e-3, 1, lambda w: w.load[1]),
-    ("instability", "rms of the sum of Y over 100 m [kN]", 1e-3, 2, lambda w: w.instability),
-)
+        head = own.label if own.unit == "1" else own.head
+        rows.append([head, *texts, "no limit" if limit is None else f"{own.scale * limit:.4g}", result])
+    heads = ["", *wheelsets, "limit", "result"]
+    return TextTable(". ".join([title, *remarks]), heads, rows, frozenset(range(1, len(heads))))

@@ -166,8 +166,7 @@ class _Wheelset(NamedTuple):
 
 def _column(name: str, of: Callable[[Any], Any], key: str = "") -> Column:
     """Column of a quantity of runs; key: in JSON, its name by default."""
-    own = RUN[name]
-    return Column(key or name, own.name, of, own.shown, own.digits)
+    return Column.showing(RUN[name], of, key or name)
 
 
 def _wheels(value: Callable[[WheelForces], float]) -> Callable[[_Wheelset], dict[Side, float]]:
