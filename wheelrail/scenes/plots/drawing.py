@@ -58,7 +58,7 @@ class Segments:
 
 @dataclass(frozen=True)
 class Line:
-    """One line through points, or marks at them.
+    """One line through points, or marks at points.
 
     Parameters:
         points: (n, 2); NaN interrupts the line.
