@@ -95,10 +95,13 @@ window.wheelrail_explorer = (() => {
     return { w, h, x, y, at, legend, rows, label, notes, height: TOP + h + below };
   }
 
-  function path(pen, points, close = false) {
+  // Polygons or lines of one path, which is painted at once.
+  function path(pen, shapes, close = false) {
     pen.beginPath();
-    points.forEach(([x, y], k) => (k ? pen.lineTo(x, y) : pen.moveTo(x, y)));
-    if (close) pen.closePath();
+    for (const points of shapes) {
+      points.forEach(([x, y], k) => (k ? pen.lineTo(x, y) : pen.moveTo(x, y)));
+      if (close) pen.closePath();
+    }
   }
 
   function mark(pen, [x, y], marker, colour) {
@@ -106,8 +109,8 @@ window.wheelrail_explorer = (() => {
     if (marker === "o") {
       pen.beginPath();
       pen.arc(x, y, s, 0, 2 * Math.PI);
-    } else if (marker === "D") path(pen, [[x, y - s], [x + s, y], [x, y + s], [x - s, y]], true);
-    else path(pen, marker === "^" ? triangle : triangle.map(([a, b]) => [a, 2 * y - b]), true);
+    } else if (marker === "D") path(pen, [[[x, y - s], [x + s, y], [x, y + s], [x - s, y]]], true);
+    else path(pen, [marker === "^" ? triangle : triangle.map(([a, b]) => [a, 2 * y - b])], true);
     pen.fillStyle = colour;
     pen.fill();
     [pen.strokeStyle, pen.lineWidth] = ["#ffffff", 0.8];
@@ -126,53 +129,64 @@ window.wheelrail_explorer = (() => {
     return bar.colours[Math.min(Math.max(Math.floor(share * bar.colours.length), 0), bar.colours.length - 1)];
   }
 
+  // Corners moved outwards by half a pixel, which hides the seams between cells.
+  function grown(corners) {
+    const middle = [0, 1].map(axis => 0.25 * corners.reduce((sum, point) => sum + point[axis], 0));
+    return corners.map(point => point.map((value, axis) => value + 0.5 * Math.sign(value - middle[axis])));
+  }
+
+  // Outline of an arrow in pixels; one that cannot be seen has none.
+  function arrow(x, y, across, down) {
+    const length = Math.hypot(across, down), u = across / length, v = down / length;
+    if (length < 0.5) return [];
+    const head = Math.min(7, length), neck = length - head, wide = 0.45 * head, thin = Math.min(0.9, wide);
+    const outline = [[0, thin], [neck, thin], [neck, wide], [length, 0], [neck, -wide], [neck, -thin], [0, -thin]];
+    return outline.map(([s, t]) => [x + s * u - t * v, y + s * v + t * u]);
+  }
+
   const PAINT = {
     Cells(pen, layer, at, { bar }) {
-      pen.lineWidth = 1; // hides the seams
+      const shapes = new Map(); // by colour
       layer.corners.forEach((corners, k) => {
-        path(pen, corners.map(at), true);
-        pen.fillStyle = pen.strokeStyle = layer.values ? shade(bar, layer.values[k]) : layer.colours[k];
-        pen.fill();
-        pen.stroke();
+        const colour = layer.values ? shade(bar, layer.values[k]) : layer.colours[k];
+        if (!shapes.has(colour)) shapes.set(colour, []);
+        shapes.get(colour).push(grown(corners.map(at)));
       });
+      for (const [colour, ofColour] of shapes) {
+        path(pen, ofColour, true);
+        pen.fillStyle = colour;
+        pen.fill();
+      }
     },
     Arrows(pen, layer, at) {
-      [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [layer.colour, "#333333", 0.8];
-      layer.start.forEach(([x, y], k) => {
+      const shapes = layer.start.map(([x, y], k) => {
         const [a, b] = at([x, y]), [c, d] = at([x + layer.vector[k][0], y + layer.vector[k][1]]);
-        const length = Math.hypot(c - a, d - b);
-        if (length < 0.5) return;
-        const [u, v] = [(c - a) / length, (d - b) / length];
-        const head = Math.min(7, length), neck = length - head, wide = 0.45 * head, thin = Math.min(0.9, wide);
-        const outline = [[0, thin], [neck, thin], [neck, wide], [length, 0], [neck, -wide], [neck, -thin], [0, -thin]];
-        path(pen, outline.map(([s, t]) => [a + s * u - t * v, b + s * v + t * u]), true);
-        if (layer.colour === "white") pen.stroke();
-        pen.fill();
+        return arrow(a, b, c - a, d - b);
       });
+      path(pen, shapes, true);
+      [pen.fillStyle, pen.strokeStyle, pen.lineWidth] = [layer.colour, "#333333", 0.8];
+      if (layer.colour === "white") pen.stroke();
+      pen.fill();
     },
     Segments(pen, layer, at) {
+      path(pen, layer.points.map(ends => ends.map(at)));
       [pen.strokeStyle, pen.lineWidth] = [layer.colour, layer.width];
-      pen.beginPath();
-      for (const [start, stop] of layer.points) {
-        pen.moveTo(...at(start));
-        pen.lineTo(...at(stop));
-      }
       pen.stroke();
     },
     Line(pen, layer, at, drawing, dark) {
-      const valid = point => point && point[0] !== null && point[1] !== null;
-      const colour = visible(layer.colour, dark);
+      const pieces = [[]], colour = visible(layer.colour, dark);
+      for (const point of layer.points) {
+        if (point && point[0] !== null && point[1] !== null) pieces.at(-1).push(at(point));
+        else pieces.push([]);
+      }
       if (layer.width > 0) {
-        pen.beginPath();
-        layer.points.forEach((point, k) => {
-          if (valid(point)) pen[valid(layer.points[k - 1]) ? "lineTo" : "moveTo"](...at(point));
-        });
+        path(pen, pieces);
         [pen.strokeStyle, pen.lineWidth] = [colour, 1.2 * layer.width];
         pen.setLineDash(layer.dash ? DASH : []);
         pen.stroke();
         pen.setLineDash([]);
       }
-      if (layer.marker) for (const point of layer.points) if (valid(point)) mark(pen, at(point), layer.marker, colour);
+      if (layer.marker) for (const point of pieces.flat()) mark(pen, point, layer.marker, colour);
     },
   };
 
@@ -191,14 +205,14 @@ window.wheelrail_explorer = (() => {
     for (const [axis, limits, space] of [[0, x, w / 75], [1, y, h / 38]]) {
       for (const [value, text] of ticks(limits, space)) {
         const [a, b] = at(axis ? [x[0], value] : [value, y[0]]);
-        path(pen, axis ? [[a, b], [a + w, b]] : [[a, b], [a, b - h]]);
+        path(pen, [axis ? [[a, b], [a + w, b]] : [[a, b], [a, b - h]]]);
         pen.strokeStyle = theme.faint;
         pen.stroke();
         pen.fillStyle = theme.ink;
         axis ? write(pen, text, a - 5, b, "right") : write(pen, text, a, b + 11);
       }
     }
-    path(pen, [[LEFT, TOP], [LEFT, bottom], [LEFT + w, bottom]]);
+    path(pen, [[[LEFT, TOP], [LEFT, bottom], [LEFT + w, bottom]]]);
     pen.strokeStyle = theme.frame;
     pen.stroke();
     label.forEach((text, k) => write(pen, text, LEFT + 0.5 * w, bottom + LINE * (1.8 + k)));
@@ -217,8 +231,7 @@ window.wheelrail_explorer = (() => {
         pen.fillStyle = item.colour;
         pen.fillRect(left, y - 5, 22, 10);
       } else {
-        const points = item.width > 0 ? [[left, y], [left + 22, y]] : [[left + 11, y]];
-        PAINT.Line(pen, { ...item, points, marker: "" }, point => point, drawing, dark);
+        PAINT.Line(pen, { ...item, points: [[left, y], [left + 22, y]], marker: "" }, point => point, drawing, dark);
         if (item.marker) mark(pen, [left + 11, y], item.marker, visible(item.colour, dark));
       }
       pen.fillStyle = theme.ink;
@@ -251,7 +264,8 @@ window.wheelrail_explorer = (() => {
     [pen.font, pen.lineJoin] = [FONT, "round"];
     paintAxes(pen, drawing, place, theme);
     pen.save();
-    path(pen, [[LEFT, TOP], [LEFT + place.w, TOP], [LEFT + place.w, TOP + place.h], [LEFT, TOP + place.h]], true);
+    pen.beginPath();
+    pen.rect(LEFT, TOP, place.w, place.h);
     pen.clip();
     for (const layer of drawing.layers) PAINT[layer.kind](pen, layer, place.at, drawing, dark);
     pen.restore();
