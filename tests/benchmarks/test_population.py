@@ -285,6 +285,28 @@ def test_tension_found_from_an_earlier_result_is_not_kept() -> None:
     np.testing.assert_allclose(warm.force, cold.force, atol=2e-5 * np.linalg.norm(cold.force))
 
 
+def test_an_outermost_strip_with_several_places() -> None:
+    """Seeds 730093 and 700345: its place is that of the pose, not that of the start; 2e-5 and 7e-5 of the force off."""
+    worn = wr.Wheelset(
+        wheel=wheel("S1002", hollow=0.000415191, flange=0.000761498).profile,
+        rail=rail("arcs", crown=0.254, radius=0.013).profile, laying_angle=0.05, radius=0.46843, gauge=1.465,
+        flange_back_distance=1.393, curvature=0.000294066, friction=0.3, bodies="half-space", strips=6, cells=7,
+    )  # fmt: skip
+    new = wr.Wheelset(
+        wheel=wheel("S1002").profile, rail=rail("flat", radius=0.01).profile, laying_angle=0.05, radius=0.384944,
+        gauge=1.435, flange_back_distance=1.353, friction=0.3, bodies="half-space", strips=11, cells=13,
+    )  # fmt: skip
+    turned = WheelsetState(y=6.14135e-3, z=1.299639818e-3, roll=9.12841e-5, yaw=0.0222373, speed=0.30985,
+                           pitch_rate=0.30985 / 0.46843, frame_rate=(0.0, 0.0, 0.30985 * 0.000294066))  # fmt: skip
+    straight = WheelsetState(y=-0.01099, z=4.863740e-3, speed=19.2452, pitch_rate=49.928)
+    for wheelset, state, side in ((worn, turned, "left"), (new, straight, "right")):
+        pair = wheelset.element().contact
+        aside = replace(state, y=state.y + 3e-5, z=state.z + 1e-5)
+        (near,), (cold,) = (pair.solve_side([at], side, [None]) for at in (aside, state))
+        (warm,) = pair.solve_side([state], side, [near])
+        np.testing.assert_allclose(warm.force, cold.force, atol=1e-6 * np.linalg.norm(cold.force), err_msg=side)
+
+
 @pytest.mark.filterwarnings("ignore:.*the head leans")
 def test_crests_of_strips_on_a_steep_flange() -> None:
     """Seed 730339: the search from the flange's tip did not end, and left strips 9 mm off that touch; the normal force

@@ -15,6 +15,10 @@ struct Excess {
 constexpr Excess LEAST_EXCESS{1e-7, 1e-3};  // the load is 2e-7 of that on the whole width
 constexpr Excess UNCERTAIN{1e-5, 0.1};      // where a strip cannot stay loaded either: 2e-3
 
+// Length of a loaded strip over the width of the next one: the gap that modes and cells leave beside longer ones has
+// several maxima there, and an outermost strip several places.
+constexpr double MANY_WIDTHS = 20.0;
+
 inline Probes probes_of(const LatticeProblem& problem) {
     return {problem.lattice(), problem.all().first, problem.all().second};
 }
@@ -99,6 +103,41 @@ inline LatticeState entered(LatticeProblem& problem, const LatticeState& state, 
     }
     pressure = pressed_by(flat(depth));
     return state_of_cells(problem, at, {pressure.data, {n, C}}, Array<double, 3>(2, n, C));
+}
+
+// Outermost strips (S,) beside much longer ones that may be in equilibrium at another place, too: those with negative
+// pressure at an end, and those that overlap more beyond their ends than between them, by one of their cells or more.
+inline Array<bool, 1> misplaced(LatticeProblem& problem, const LatticeState& state) {
+    const auto& [strips, values] = state;
+    long S = long(strips.size()), last = values.shape[1] - 1, first = last - 1 - MODES;
+    const auto& data = problem.of(strips);
+    Array<bool, 1> moves(S);
+    auto next = [&](long i, long n) { return n >= 0 && n < S && std::abs(strips[i] - strips[n]) == 1; };
+    for (long i = 0; i < S; ++i) {
+        if (next(i, i - 1) == next(i, i + 1)) continue;
+        long n = next(i, i + 1) ? i + 1 : i - 1;
+        double half = half_length(values, i);
+        if (half_length(values, n) < std::max(0.5 * MANY_WIDTHS * data.places.width(i), half)) continue;
+        double slope[2] = {0.0, 0.0};  // of the pressure at its ends
+        for (int m = 0; m < MODES; ++m) {
+            double part = (m + 1) * values(i, first + m);
+            slope[0] += m % 2 ? -part : part, slope[1] += part;
+        }
+        double cell = 2.0 * half / double(problem.all().cells());
+        double low[] = {values(n, last - 1), values(i, last) + cell},
+               high[] = {values(i, last - 1) - cell, values(n, last)};
+        long both[] = {strips[i], strips[i]};
+        auto rest = excess(values, data, problem.lattice(), problem.lines.onset, problem.all().second, {both, {2}},
+                           {low, {2}}, {high, {2}})
+                        .second;
+        double onset = data.places.onset(i);
+        double between = onset - opening(values(i, first) * half, onset, data.places.whole(i)).gap;
+        for (int k = 0; k < 2; ++k) {
+            bool overlaps = low[k] < high[k] && *std::max_element(rest[k].begin(), rest[k].end()) > between;
+            moves(i) = moves(i) || slope[k] < 0.0 || overlaps;
+        }
+    }
+    return moves;
 }
 
 }  // namespace wr

@@ -56,6 +56,11 @@ class LatticeNewton {
                 if (more.strips.empty() && at.event == CONVERGED) {
                     more = released(state);
                     if (more.strips.empty()) {
+                        auto moves = placed ? Array<bool, 1>(0) : misplaced(problem, state);
+                        if (any(moves)) {
+                            state = replaced(state, moves), kept = {}, searched = false, done = 0;
+                            continue;
+                        }
                         count.residual = at.size;
                         return {state, kept.factors};
                     }
@@ -110,11 +115,19 @@ class LatticeNewton {
         auto found = at.complete ? overlaps(problem, at.rest) : penetrating(problem, state, strips_barred());
         return entered(problem, state, found);
     }
+    // The state without strips (S,) that may have several places. They enter again when the others are in equilibrium,
+    // where most penetration remains, whatever the start.
+    LatticeState replaced(const LatticeState& state, View<const bool, 1> moves) {
+        for (long i = 0; i < moves.size(); ++i)
+            if (moves(i)) left[state.strips[i]] = EXCHANGES;
+        placed = true, least = LEAST_EXCESS, --releases;
+        return state.at(moves, false);
+    }
     // Release strips barred from entry after leaving too often. Throws NotConverged when that has happened before: a
     // solution must not depend on what was tried.
     LatticeState released(const LatticeState& state) {
         if (strips_barred().empty()) return {};
-        auto more = entered(problem, state, penetrating(problem, state, {}, UNCERTAIN));
+        auto more = entered(problem, state, penetrating(problem, state, {}, std::exchange(least, UNCERTAIN)));
         if (more.strips.empty()) return {};
         left.clear();
         if (++releases > RELEASES) throw NotConverged("strips of the contact come and go");
@@ -127,6 +140,8 @@ class LatticeNewton {
     Probes probes;
     std::map<long, int> left;
     int releases = 0;
+    bool placed = false;       // whether strips have been sought a place
+    Excess least = UNCERTAIN;  // of strips that are released
 };
 
 }  // namespace wr
