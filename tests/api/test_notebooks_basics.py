@@ -135,14 +135,6 @@ def images(displayed: list[Any]) -> int:
     return sum("image/png" in data for data in displayed)
 
 
-def test_notebook_in_jupyter(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Execution by a kernel returns HTML tables and figures."""
-    name = "01_profiles_and_contact_geometry.py"
-    displayed = [*chain(*executed_by_jupyter(with_parameters(name, **REDUCED[name]), monkeypatch))]
-    assert images(displayed) >= 5
-    assert any("<table>" in data.get("text/html", "") for data in displayed)
-
-
 FIGURES = """import wheelrail as wr
 solution = wr.Hertz(upper=(0.46, 0.3), lower=(0.5, 0.3), friction=0.3, model="standard").solve(
     load=10e3, speed=10.0, creepage=(1e-3, 0.0, 0.0))
@@ -163,15 +155,23 @@ plt.figure().add_subplot()
 second = plt.figure()
 solution.plot(figure=second)
 """
+FEW: dict[str, Any] = {"POSITIONS": 81, "ELASTIC": {"bodies": "half-space", "strips": 6, "cells": 8}}
 
 
-def test_every_cell_displays_its_figures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The first figure of a session comes from this package; later ones, the user's own included, are displayed too."""
-    from nbformat.v4 import new_code_cell, new_notebook
+def test_cells_display_their_figures_and_tables_in_jupyter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first figure of a session comes from this package; later ones, the user's own included, are displayed too.
+    In the same session the first notebook, with few positions.
+    """
+    from nbformat.v4 import new_code_cell
 
-    notebook = new_notebook(cells=[new_code_cell(source) for source in FIGURES.split("# %%\n")])
+    figures = [new_code_cell(source) for source in FIGURES.split("# %%\n")]
+    notebook = with_parameters("01_profiles_and_contact_geometry.py", **FEW)
+    notebook.cells[:0] = figures
     displayed = executed_by_jupyter(notebook, monkeypatch)
-    assert [*map(images, displayed)] == [0, 1, 2, 1, 1, 1, 2]
+    assert [*map(images, displayed[: len(figures)])] == [0, 1, 2, 1, 1, 1, 2]
+    of_notebook = [*chain(*displayed[len(figures) :])]
+    assert images(of_notebook) >= 5
+    assert any("<table>" in data.get("text/html", "") for data in of_notebook)
 
 
 def test_style_leaves_other_parameters_alone() -> None:

@@ -65,7 +65,7 @@ def overlapping(cells: float) -> Any:
 def on_rail() -> dict[str, Any]:
     """An S1002 wheel on a UIC60 rail without friction, by the meshes that scenes use."""
     wheel, rail = load_profile("S1002", "wheel"), load_profile("UIC60-benchmark", "rail")
-    how = Discretisation(6e-3, model="full")
+    how = Discretisation(8e-3, model="full")
     model = wheel_rail_pair((wheel, rail), 0.46, (Material(), Material()), FRICTIONLESS, how)
     assert isinstance(model, FullContact)
     state = WheelsetState(y=0.002, z=-2e-4, speed=45.0, pitch_rate=45.0 / 0.46)

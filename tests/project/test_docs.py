@@ -139,12 +139,15 @@ def test_unsupported_equation_ends_the_build(tmp_path: Path) -> None:
         'extensions = ["myst_parser", "extensions.mathml"]\n'
         'myst_enable_extensions = ["dollarmath"]\nhtml_math_renderer = "mathml"\n'
     )
-    for number, equation in enumerate((r"\nosuchcommand{x}", r"\frac12 + \dot{x}", r"\dot\omega")):
-        (tmp_path / "index.md").write_text(f"# Title\n\n${equation}$\n")
-        done = built(tmp_path, tmp_path / f"out{number}", tmp_path)
-        assert done.returncode != 0
-        assert "index.md" in done.stderr
-        assert "equation not understood" in done.stderr
+    equations = r"\nosuchcommand{x}", r"\frac12 + \dot{x}", r"\dot\omega"
+    names = [f"page{number}.md" for number in range(len(equations))]
+    for name, equation in zip(names, equations, strict=True):
+        (tmp_path / name).write_text(f"---\norphan: true\n---\n# Title\n\n${equation}$\n")
+    (tmp_path / "index.md").write_text("# Title\n")
+    done = built(tmp_path, tmp_path / "out", tmp_path)
+    assert done.returncode != 0
+    refused = [line for line in done.stderr.splitlines() if "equation not understood" in line]
+    assert [name for name in names if any(name in line for line in refused)] == names
 
 
 def test_every_public_name_is_in_the_reference(site: Path) -> None:

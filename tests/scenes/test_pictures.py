@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -187,16 +188,15 @@ def load_run(name: str) -> RunScene:
     return scene
 
 
-@pytest.mark.parametrize("width", [800, 1280])
-def test_no_label_is_cut_off(two_patches: Dataset, width: int) -> None:
+def test_no_label_is_cut_off(two_patches: Dataset) -> None:
     with styled():
-        for name, figure in all_figures(two_patches).items():
+        for (name, figure), width in product(all_figures(two_patches).items(), (800, 1280)):
             figure.set_dpi(width / figure.get_size_inches()[0])
             FigureCanvasAgg(figure).draw()
             across, high = figure.bbox.size
             for text in lines_of(figure):
                 box = text.get_window_extent()
-                assert min(box.x0, box.y0, across - box.x1, high - box.y1) >= -1, (name, text)
+                assert min(box.x0, box.y0, across - box.x1, high - box.y1) >= -1, (name, width, text)
 
 
 def test_patches_of_a_scene_have_one_scale_of_lengths_and_pressure(two_patches: Dataset) -> None:

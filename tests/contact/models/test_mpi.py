@@ -91,7 +91,7 @@ def test_command_prints_on_the_first_rank_only(tmp_path: Path) -> None:
     scene = tmp_path / "full.toml"
     body = "radii = [0.3, 0.3]\nE = 210e9\nnu = 0.3\n"
     scene.write_text(
-        'kind = "hertz"\nmodel = "full"\nlaws = "paper"\nfriction = 0.0\napproach = 15e-6\nsurface_size = 4e-3\n'
+        'kind = "hertz"\nmodel = "full"\nlaws = "paper"\nfriction = 0.0\napproach = 15e-6\nsurface_size = 6e-3\n'
         f"[upper]\n{body}[lower]\n{body}"
     )
     done = mpirun("-m", "wheelrail.cli", "contact", str(scene), "--json")

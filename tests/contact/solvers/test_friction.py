@@ -129,7 +129,7 @@ def test_shift_against_cattaneo() -> None:
     """Cattaneo 1938, Mindlin 1949: Johnson, Contact Mechanics, 1985, eqs. 7.36, 7.39 and 7.42, nu = 0.3."""
     a, G = PATCH.semi_axes[0], 210e9 / 2.6
     full = 3 * 0.3 * PATCH.force * 1.7 / (8 * G * a)  # shift at full sliding
-    across, errors = np.array([10, 14, 20, 28]), []
+    across, errors = np.array([8, 11, 15, 20]), []
     for n in across:
         found = []
         for place in (0.0, 0.5):
@@ -146,7 +146,7 @@ def test_shift_against_cattaneo() -> None:
                 found.append([total - (1 - stick**3), np.sqrt(np.mean(traction[presses] ** 2)), part])
         errors.append(np.sqrt(np.mean(np.square(found), axis=0)))
     # force over mu F_n, tractions over mu p0, and the part of the patch that sticks, RMS over shifts and grids
-    assert (np.array(errors[2]) < [2e-3, 0.02, 0.02]).all()
+    assert (np.array(errors[-1]) < [2e-3, 0.02, 0.02]).all()
     slopes = -np.polyfit(np.log(across), np.log(np.array(errors)), 1)[0]
     assert slopes[1] > 0.9
     assert slopes[2] > 0.7
