@@ -33,15 +33,15 @@ def plot_profiles(
         more: mounting as for `wheelrail.contact_geometry`.
     """
     from wheelrail.api.rigid_pair import outlines_in_contact, rigid_wheelset
-    from wheelrail.scenes.plots.profiles import draw_profiles
+    from wheelrail.scenes.plots.profiles import outlines_drawing
+    from wheelrail.scenes.plots.render import draw
 
     wheel_line, rail_line, point, angle = outlines_in_contact(rigid_wheelset(wheel, rail, **more), y, yaw)
     with styled():
         axes = shown(None, (7.2, 4.0)).subplots() if ax is None else ax
         title = f"left wheel and rail, wheelset at y = {1e3 * y:.3g} mm"
-        return draw_profiles(
-            wheel_line, rail_line, [point], [f"contact, angle {1e3 * angle:.3g} mrad"], title=title, ax=axes
-        )
+        label = f"contact, angle {1e3 * angle:.3g} mrad"
+        return draw(outlines_drawing(title, wheel_line, rail_line, [point], [label]), axes)
 
 
 def plot_convergence(

@@ -6,30 +6,11 @@ window.wheelrail_explorer = (() => {
   const LINE = 16; // pixels from one line of text to the next
   const LEFT = 70, RIGHT = 14, BAR = 72, TOP = 26; // pixels beside and above the axes
   const LOWEST = 110, TALLEST = 480, GIVEN = 260; // pixels of height: of axes of equal scale, and of a whole picture
-  const MARGIN = 0.05; // of the data's extent, beyond it
   const DASH = [6, 3], MARK = 4; // pixels: of dashed lines, half the size of marks
   const THEMES = {
     light: { ink: "#222222", faint: "#e4e4e4", frame: "#8a8a8a", veil: "rgba(255, 255, 255, 0.9)" },
     dark: { ink: "#dddddd", faint: "#3a3a3a", frame: "#8a8a8a", veil: "rgba(30, 30, 30, 0.9)" },
   };
-
-  // Smallest and largest coordinates of all layers, with a margin.
-  function extent(layers, axis) {
-    let low = Infinity, high = -Infinity;
-    const see = point => {
-      if (!point || point[axis] === null) return;
-      low = Math.min(low, point[axis]);
-      high = Math.max(high, point[axis]);
-    };
-    for (const layer of layers) {
-      if (layer.kind === "Line") layer.points.forEach(see);
-      else if (layer.kind === "Arrows") layer.start.forEach(see);
-      else for (const points of layer.corners ?? layer.points) points.forEach(see);
-    }
-    if (!(low <= high)) return [0, 1];
-    const margin = MARGIN * (high - low) || 0.5;
-    return [low - margin, high + margin];
-  }
 
   function widened([low, high], length) {
     const middle = 0.5 * (low + high);
@@ -84,7 +65,7 @@ window.wheelrail_explorer = (() => {
     const label = wrapped(pen, drawing.x_label, w);
     const notes = drawing.notes.flatMap(note => wrapped(pen, note, w));
     const below = LINE * (1 + label.length + rows + notes.length) + 12;
-    let x = drawing.x_limits ?? extent(drawing.layers, 0), y = drawing.y_limits ?? extent(drawing.layers, 1);
+    let x = drawing.x_limits, y = drawing.y_limits;
     let h = Math.max((given || GIVEN) - TOP - below, 40);
     if (drawing.equal) {
       if (!given) h = Math.min(Math.max(w * (y[1] - y[0]) / (x[1] - x[0]), LOWEST), TALLEST);
@@ -147,7 +128,7 @@ window.wheelrail_explorer = (() => {
   const PAINT = {
     Cells(pen, layer, at, { bar }) {
       const shapes = new Map(); // by colour
-      layer.corners.forEach((corners, k) => {
+      layer.points.forEach((corners, k) => {
         const colour = layer.values ? shade(bar, layer.values[k]) : layer.colours[k];
         if (!shapes.has(colour)) shapes.set(colour, []);
         shapes.get(colour).push(grown(corners.map(at)));
@@ -159,7 +140,7 @@ window.wheelrail_explorer = (() => {
       }
     },
     Arrows(pen, layer, at) {
-      const shapes = layer.start.map(([x, y], k) => {
+      const shapes = layer.points.map(([x, y], k) => {
         const [a, b] = at([x, y]), [c, d] = at([x + layer.vector[k][0], y + layer.vector[k][1]]);
         return arrow(a, b, c - a, d - b);
       });

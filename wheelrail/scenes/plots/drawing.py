@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal
 
 import numpy as np
 
 from wheelrail.scenes.plots.style import PRESSURE_MAP
 from wheelrail.support.arrays import Array
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
 Marker = Literal["", "o", "D", "^", "v"]
-DIGITS = 5  # significant ones of coordinates in a browser: 1e-5 of a picture of a thousand pixels
+SEEN = 1e-4  # error in a browser over the length of the axes: a tenth of a pixel
+START = 16  # points to the next one that is kept in any case: fewer rounds of thinning
+DIGITS = 5  # significant ones of numbers in a browser
 
 
 @dataclass(frozen=True)
@@ -23,26 +23,27 @@ class Cells:
     """Filled quadrilaterals.
 
     Parameters:
-        corners: (n, 4, 2).
+        points: corners (n, 4, 2).
         values: (n,) in the unit of the drawing's colour bar; or
         colours: of each.
     """
 
-    corners: Array
+    points: Array
     values: Array | None = None
     colours: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
 class Arrows:
-    """Arrows from their tails.
+    """Arrows of one colour.
 
     Parameters:
-        start, vector: (n, 2).
-        colour: of all; "white" ones have a dark edge.
+        points: tails (n, 2).
+        vector: (n, 2), from tail to tip.
+        colour: "white" ones have a dark edge.
     """
 
-    start: Array
+    points: Array
     vector: Array
     colour: str
 
@@ -90,14 +91,15 @@ class Bar:
 
 @dataclass(frozen=True)
 class Drawing:
-    """Picture in one pair of axes.
+    """Picture in one pair of axes, with colours of CSS.
 
     Parameters:
         title: above the axes.
         x_label, y_label: with units.
         layers: from the lowest one.
         equal: whether both axes have one scale.
-        x_limits, y_limits: of the axes; by default those of the layers.
+        x_limits, y_limits: of the axes; by default those of the points with the margin.
+        margin: beyond the points, over their extent.
         notes: lines below the axes.
         bar: colours of cells with values.
         legend: colour and text of areas without a line.
@@ -112,33 +114,75 @@ class Drawing:
     y_limits: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
     bar: Bar | None = None
-    legend: tuple[tuple[str, str], ...] = field(default=())
+    legend: tuple[tuple[str, str], ...] = ()
+    margin: float = 0.05
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Limits of both axes."""
+        return self.x_limits or self._extent(0), self.y_limits or self._extent(1)
+
+    def _extent(self, axis: int) -> tuple[float, float]:
+        values = np.concatenate([np.zeros(0), *(layer.points[..., axis].ravel() for layer in self.layers)])
+        values = values[np.isfinite(values)]
+        if not values.size:
+            return 0.0, 1.0
+        low, high = float(values.min()), float(values.max())
+        more = self.margin * (high - low) if high > low else 0.5
+        return low - more, high + more
 
     def plain(self) -> dict[str, Any]:
         """Numbers, texts and lists for a browser, rounded to what can be seen."""
+        x, y = self.limits
+        error = SEEN * max(x[1] - x[0], y[1] - y[0])
         return {
             **{name: getattr(self, name) for name in ("title", "x_label", "y_label", "equal", "notes", "legend")},
-            "x_limits": self.x_limits,
-            "y_limits": self.y_limits,
+            "x_limits": x,
+            "y_limits": y,
             "bar": None if self.bar is None else {**vars(self.bar), "colours": colour_scale()},
-            "layers": [{"kind": type(layer).__name__, **_plain(vars(layer))} for layer in self.layers],
+            "layers": [_plain(layer, error) for layer in self.layers],
         }
 
 
-def colour_scale(count: int = 32) -> list[str]:
+@cache
+def colour_scale(count: int = 32) -> tuple[str, ...]:
     """Colours of the pressure map, from its lower end."""
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
-    return [to_hex(colour) for colour in colormaps[PRESSURE_MAP](np.linspace(0.0, 1.0, count))]
+    return tuple(to_hex(colour) for colour in colormaps[PRESSURE_MAP](np.linspace(0.0, 1.0, count)))
 
 
-def _plain(values: dict[str, Any]) -> dict[str, Any]:
-    return {name: _rounded(value) if isinstance(value, np.ndarray) else value for name, value in values.items()}
+def thinned(points: Array, error: float) -> Array:
+    """Some of the points (n, 2) of a curve, by the method of Ramer, Douglas and Peucker.
+
+    Parameters:
+        points: finite.
+        error: largest distance of the others from the lines between.
+    """
+    kept = np.append(np.arange(0, len(points) - 1, START), len(points) - 1)
+    while True:
+        piece = np.minimum(np.searchsorted(kept, np.arange(len(points)), side="right"), len(kept) - 1) - 1
+        start, chord = points[kept[piece]], points[kept[piece + 1]] - points[kept[piece]]
+        along = np.einsum("nk,nk->n", points - start, chord) / np.maximum(np.einsum("nk,nk->n", chord, chord), 1e-300)
+        away = np.hypot(*(points - start - np.clip(along, 0.0, 1.0)[:, None] * chord).T)
+        furthest = np.maximum.reduceat(away, kept[:-1])[piece]
+        split = np.flatnonzero((away == furthest) & (furthest > error))
+        if not split.size:
+            return np.asarray(points[kept])
+        kept = np.union1d(kept, split)
+
+
+def _plain(layer: Layer, error: float) -> dict[str, Any]:
+    values = vars(layer)
+    if isinstance(layer, Line) and not layer.marker and len(layer.points) > 2 and np.isfinite(layer.points).all():
+        values = {**values, "points": thinned(layer.points, error)}
+    plain = {name: _rounded(value) if isinstance(value, np.ndarray) else value for name, value in values.items()}
+    return {"kind": type(layer).__name__, **plain}
 
 
 def _rounded(values: Array) -> Any:
-    """Lists of numbers relative to the largest, None for those that are not finite."""
+    """Lists of numbers with a common last digit, None for rows with numbers that are not finite."""
     if not np.isfinite(values).all():
         return [None if not np.isfinite(row).all() else _rounded(row) for row in values]
     largest = float(np.abs(values).max(initial=0.0))

@@ -81,14 +81,15 @@ class PatchCells:
     @classmethod
     def of(cls, data: Dataset, side: str, patch: int) -> PatchCells:
         """Cells of a Dataset of `wheelrail.scenes.datasets.contact`, with true lengths in the contact plane."""
-        of_patch = ((data["point_side"] == side) & (data["point_patch"] == patch)).values
+        fields = data.variables  # quicker than by data arrays
+        of_patch = (fields["point_side"].values == side) & (fields["point_patch"].values == patch)
         largest = 1.0
         if "share" in data:  # strips of two widths: those with the larger share
-            share = np.where(of_patch, data["share"].values, 0.0)
+            share = np.where(of_patch, fields["share"].values, 0.0)
             largest = share.max()
             of_patch &= share == largest
         point, axes, pressure, area, step = (
-            data[name].values[of_patch] for name in ("position", "axes", "pressure", "area", "step")
+            fields[name].values[of_patch] for name in ("position", "axes", "pressure", "area", "step")
         )
         weight = pressure * area
         up = -(weight @ axes[:, 2])
@@ -101,9 +102,9 @@ class PatchCells:
         middle = point - weight @ point / weight.sum()
         corners = (middle[:, None] + np.einsum("ks,nsc->nkc", signs, half)) @ plane
         traction, slip = (
-            np.einsum("ns,nsc->nc", data[name].values[of_patch], axes[:, :2]) @ plane for name in ("traction", "slip")
+            np.einsum("ns,nsc->nc", fields[name].values[of_patch], axes[:, :2]) @ plane for name in ("traction", "slip")
         )
-        return cls(corners, pressure, traction, slip, data["sticks"].values[of_patch].astype(bool), upper_body(side))
+        return cls(corners, pressure, traction, slip, fields["sticks"].values[of_patch].astype(bool), upper_body(side))
 
 
 def upper_body(side: str) -> str:
@@ -113,7 +114,8 @@ def upper_body(side: str) -> str:
 
 def touching(data: Dataset) -> list[tuple[str, int]]:
     """Side and index of every patch of a Dataset of `wheelrail.scenes.datasets.contact`."""
-    return [(str(side), k) for side in data["side"].values for k in range(int(data["patches"].sel(side=side)))]
+    counts = zip(data["side"].values, data["patches"].values, strict=True)
+    return [(str(side), k) for side, count in counts for k in range(int(count))]
 
 
 def chosen(data: Dataset, side: str | None, patch: int) -> tuple[str, int]:
@@ -131,6 +133,7 @@ def chosen(data: Dataset, side: str | None, patch: int) -> tuple[str, int]:
 def title(data: Dataset, side: str, patch: int) -> str:
     """Title of a patch: side, number if there are several, load."""
     name = "contact" if side == "contact" else f"{side} wheel"
-    which = f", patch {patch + 1}" if int(data["patches"].sel(side=side)) > 1 else ""
-    load = 1e-3 * float(data["patch_normal_force"].sel(side=side)[patch])
+    row = list(data["side"].values).index(side)
+    which = f", patch {patch + 1}" if int(data["patches"].values[row]) > 1 else ""
+    load = 1e-3 * float(data["patch_normal_force"].values[row, patch])
     return f"{name}{which}: {significant(load)} kN"

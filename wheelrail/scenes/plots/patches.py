@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelrail.scenes.plots.drawing import Arrows, Bar, Cells, Drawing, Layer, Segments
 from wheelrail.scenes.plots.patch_cells import PatchCells, chosen, title, touching
-from wheelrail.scenes.plots.style import PRESSURE_MAP, REGIONS, axes_of, save, styled
+from wheelrail.scenes.plots.render import draw
+from wheelrail.scenes.plots.style import REGIONS, axes_of, save, styled
 from wheelrail.scenes.quantity import significant
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
     from xarray import Dataset
 
@@ -24,10 +26,15 @@ ARROWS = 15  # along the longer side of a patch
 WIDTH = 3.5  # inches, of a panel of all patches
 LEFT, ABOVE, BELOW = 0.75, 0.35, 0.95  # inches beside a panel, for the labels of its axes, its title and notes
 BAR = 1.0  # inches, width of the colour bar with its label
-MARGIN = 1.15  # drawn length over that of the longest patch
 LOWEST = 0.5  # height over width of a panel of all patches: room for the label of its axis
 EDGE = "#D55E00"
-ALONG, ACROSS = "longitudinal, positive forward [mm]", "lateral, positive to the left [mm]"
+PRESSURE = "pressure [MPa]"
+PLAN: dict[str, Any] = {
+    "x_label": "longitudinal, positive forward [mm]",
+    "y_label": "lateral, positive to the left [mm]",
+    "equal": True,
+    "margin": 0.075,
+}
 
 
 def draw_patches(data: Dataset, file: Path) -> None:
@@ -46,40 +53,29 @@ def patches_figure(data: Dataset, figure: Figure | None = None) -> Figure:
     One column per side with its patches below one another; one scale of lengths and one of pressure for all. Raises
     ValueError without contact.
     """
-    from matplotlib.cm import ScalarMappable
     from matplotlib.figure import Figure
 
     patches = touching(data)
     if not patches:
         raise ValueError("the bodies are not in contact: no patch to draw")
     sides = list(dict.fromkeys(side for side, _ in patches))
-    rows = 1 + max(patch for _, patch in patches)
-    cells = {key: PatchCells.of(data, *key) for key in patches}
-    half_width = max(_half_extents(patch_cells)[0] for patch_cells in cells.values())
-    half_heights = [
-        max(_half_extents(patch_cells)[1] for (_, patch), patch_cells in cells.items() if patch == row)
-        for row in range(rows)
-    ]
-    half_heights = [max(half, LOWEST * half_width) for half in half_heights]
+    drawings = {key: pressure_drawing(data, *key, tractions=True) for key in patches}
+    halves = {key: 0.5 * np.ptp(drawing.limits, axis=1) for key, drawing in drawings.items()}
+    half_width = float(max(half for half, _ in halves.values()))
+    half_heights = [LOWEST * half_width] * (1 + max(patch for _, patch in patches))
+    for (_, patch), (_, half) in halves.items():
+        half_heights[patch] = max(half_heights[patch], float(half))
     figure = Figure() if figure is None else figure
-    heights = [WIDTH * half / half_width for half in half_heights]
-    axes, bar_axes = _panels(figure, len(sides), heights)
-    shade = _scene_shade(data)
+    axes, bar_axes = _panels(figure, len(sides), [WIDTH * half / half_width for half in half_heights])
     for column, side in zip(axes.T, sides, strict=True):
         for patch, ax in enumerate(column):
-            if (side, patch) not in cells:
+            if (side, patch) not in drawings:
                 ax.set_axis_off()
                 continue
-            ax.set_title(title(data, side, patch))
-            patch_cells = cells[side, patch]
-            _shaded(ax, patch_cells, shade)
-            _finish(
-                ax,
-                patch_cells,
-                [*_arrows(ax, patch_cells, patch_cells.traction, "white"), *_stick_line(ax, patch_cells)],
-            )
-            _centre(ax, patch_cells, half_width, half_heights[patch])
-    figure.colorbar(ScalarMappable(shade, PRESSURE_MAP), cax=bar_axes, label="pressure [MPa]")
+            drawing = drawings[side, patch]
+            x, y = map(_about, drawing.limits, (half_width, half_heights[patch]))
+            draw(replace(drawing, x_limits=x, y_limits=y), ax, bar=False)
+    figure.colorbar(axes[0, 0].collections[0], cax=bar_axes, label=PRESSURE)
     return figure
 
 
@@ -94,13 +90,7 @@ def pressure_map(data: Dataset, side: str | None = None, patch: int = 0, ax: Axe
 
     The colours range to the largest pressure of all patches. Raises ValueError for a missing patch.
     """
-    cells = PatchCells.of(data, *chosen(data, side, patch))
-    ax = axes_of(ax)
-    shaded = _shaded(ax, cells, _scene_shade(data))
-    ax.figure.colorbar(shaded, ax=ax, label="pressure [MPa]")
-    ax.set_title(title(data, *chosen(data, side, patch)))
-    _finish(ax, cells, _stick_line(ax, cells))
-    return ax
+    return draw(pressure_drawing(data, side, patch), axes_of(ax))
 
 
 def traction_map(
@@ -114,30 +104,49 @@ def traction_map(
 
     Raises ValueError for a missing patch.
     """
-    from matplotlib.collections import PolyCollection
-    from matplotlib.patches import Patch
+    return draw(traction_drawing(data, side, patch, slip=slip), axes_of(ax))
 
-    cells = PatchCells.of(data, *chosen(data, side, patch))
-    ax = axes_of(ax)
-    colours = np.where(cells.sticks, REGIONS["stick"], REGIONS["slip"])
-    ax.add_collection(PolyCollection(list(1e3 * cells.corners), facecolors=list(colours), edgecolors="face"))
-    notes = _arrows(ax, cells, cells.traction, "0.1")
+
+def pressure_drawing(data: Dataset, side: str | None = None, patch: int = 0, *, tractions: bool = False) -> Drawing:
+    """Drawing of `pressure_map`.
+
+    Parameters:
+        data, side, patch: as for `pressure_map`.
+        tractions: whether to add their arrows.
+    """
+    key = chosen(data, side, patch)
+    cells = PatchCells.of(data, *key)
+    arrows = _arrows(cells, cells.traction, "white") if tractions else ()
+    layers = (Cells(1e3 * cells.corners, 1e-6 * cells.pressure), *arrows)
+    notes = [_longest(cells)] if arrows else []
+    if cells.traction.any():
+        if cells.sticks.all() or not cells.sticks.any():
+            notes.append("full stick" if cells.sticks.all() else "full slip")
+        else:
+            layers += (Segments(1e3 * cells.stick_edge(), EDGE),)
+            notes.append("orange: stick-slip boundary")
+    bar = Bar(PRESSURE, 1e-6 * float(np.nanmax(data["patch_max_pressure"].values)))
+    return Drawing(title(data, *key), layers=layers, notes=tuple(notes), bar=bar, **PLAN)
+
+
+def traction_drawing(data: Dataset, side: str | None = None, patch: int = 0, *, slip: bool = True) -> Drawing:
+    """Drawing of `traction_map`, with its parameters."""
+    key = chosen(data, side, patch)
+    cells = PatchCells.of(data, *key)
+    colours = [REGIONS["stick" if sticks else "slip"] for sticks in cells.sticks]
+    arrows = _arrows(cells, cells.traction, "#1a1a1a")
+    notes = [_longest(cells)] if arrows else []
     slips = ~cells.sticks
-    if slip and slips.any() and notes:
+    if slip and slips.any() and arrows:
         moving = np.where(slips[:, None], cells.slip, 0.0)
-        notes += _arrows(
-            ax, cells, moving, EDGE, only=slips, note="orange: slip velocity, largest {:.3g} of the rolling speed"
-        )
-    area = {name: float(cells.areas[cells.sticks == (name == "stick")].sum()) for name in REGIONS}
-    handles = [
-        Patch(color=colour, label=f"{name}, {significant(1e6 * area[name])} mm²")
-        for name, colour in REGIONS.items()
-        if area[name] > 0.0
-    ]
-    ax.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=8)
-    ax.set_title(title(data, *chosen(data, side, patch)))
-    _finish(ax, cells, notes)
-    return ax
+        arrows += _arrows(cells, moving, EDGE, slips)
+        notes.append(f"orange: slip velocity, largest {np.hypot(*moving.T).max():.3g} of the rolling speed")
+    areas = {name: float(cells.areas[cells.sticks == (name == "stick")].sum()) for name in REGIONS}
+    legend = tuple(
+        (REGIONS[name], f"{name}, {significant(1e6 * area)} mm²") for name, area in areas.items() if area > 0.0
+    )
+    layers = (Cells(1e3 * cells.corners, colours=colours), *arrows)
+    return Drawing(title(data, *key), layers=layers, notes=tuple(notes), legend=legend, **PLAN)
 
 
 def _panels(figure: Figure, columns: int, heights: list[float]) -> tuple[NDArray[np.object_], Axes]:
@@ -161,90 +170,22 @@ def _panels(figure: Figure, columns: int, heights: list[float]) -> tuple[NDArray
     return axes, figure.add_axes(place, label="<colorbar>")
 
 
-def _scene_shade(data: Dataset) -> Normalize:
-    """Colour scale of the pressure, MPa, of all patches of a scene."""
-    from matplotlib.colors import Normalize
-
-    return Normalize(0.0, 1e-6 * float(data["patch_max_pressure"].max()))
-
-
-def _half_extents(cells: PatchCells) -> tuple[float, float]:
-    """Half of the drawn length and width of a patch, mm, with a margin."""
-    length, width = MARGIN * 0.5e3 * np.ptp(cells.corners, axis=(0, 1))
-    return float(length), float(width)
+def _about(limits: tuple[float, float], half: float) -> tuple[float, float]:
+    """Limits with the same middle."""
+    middle = 0.5 * (limits[0] + limits[1])
+    return middle - half, middle + half
 
 
-def _centre(ax: Axes, cells: PatchCells, half_width: float, half_height: float) -> None:
-    """Set the limits of the axes, mm, about the middle of a patch."""
-    corners = 1e3 * cells.corners.reshape(-1, 2)
-    x, y = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
-    ax.set_xlim(x - half_width, x + half_width)
-    ax.set_ylim(y - half_height, y + half_height)
-
-
-def _shaded(ax: Axes, cells: PatchCells, shade: Any) -> Any:
-    from matplotlib.collections import PolyCollection
-
-    patch = PolyCollection(list(1e3 * cells.corners), cmap=PRESSURE_MAP, norm=shade, edgecolors="face", linewidths=0.3)
-    patch.set_array(1e-6 * cells.pressure)
-    ax.add_collection(patch)
-    return patch
-
-
-def _finish(ax: Axes, cells: PatchCells, notes: list[str]) -> None:
-    """Axes of equal scale, with notes below."""
-    ax.set_aspect("equal")
-    ax.autoscale_view()
-    ax.margins(0.08)
-    ax.grid(False)
-    ax.set_xlabel("\n".join([ALONG, *notes]))
-    ax.set_ylabel(ACROSS)
-
-
-def _arrows(
-    ax: Axes,
-    cells: PatchCells,
-    vectors: Array,
-    colour: str,
-    *,
-    only: NDArray[np.bool_] | None = None,
-    note: str = "",
-) -> list[str]:
-    """Draw arrows of vectors (n, 2), tractions, Pa, by default; returns a note on their length."""
-    size = np.hypot(*vectors.T)
-    largest = float(size.max())
+def _arrows(cells: PatchCells, vectors: Array, colour: str, only: NDArray[np.bool_] | None = None) -> tuple[Layer, ...]:
+    """Arrows of vectors (n, 2) in the direction of each, none for zero ones."""
+    largest = float(np.hypot(*vectors.T).max())
     if not largest > 0.0:
-        return []
+        return ()
     at = cells.spread(ARROWS, only)
-    (x, y), (u, v) = 1e3 * cells.middle[at].T, vectors[at].T / largest
-    length = float(np.ptp(1e3 * cells.corners.reshape(-1, 2), axis=0).max()) / ARROWS
-    ax.quiver(
-        x,
-        y,
-        u,
-        v,
-        angles="xy",
-        scale_units="xy",
-        scale=0.7 / length,
-        color=colour,
-        width=0.004,
-        edgecolor="0.2",
-        linewidth=0.3 if colour == "white" else 0.0,
-    )
-    return [
-        note.format(largest)
-        if note
-        else f"longest arrow: traction of {significant(1e-6 * largest)} MPa on the {cells.on}"
-    ]
+    longest = 1e3 * float(np.ptp(cells.corners.reshape(-1, 2), axis=0).max()) / (0.7 * ARROWS)
+    return (Arrows(1e3 * cells.middle[at], longest / largest * vectors[at], colour),)
 
 
-def _stick_line(ax: Axes, cells: PatchCells) -> list[str]:
-    """Draw the stick-slip boundary and return a note on full stick or full slip; nothing without friction."""
-    if not cells.traction.any():
-        return []
-    if cells.sticks.all() or not cells.sticks.any():
-        return ["full stick" if cells.sticks.all() else "full slip"]
-    from matplotlib.collections import LineCollection
-
-    ax.add_collection(LineCollection(list(1e3 * cells.stick_edge()), colors=EDGE, linewidths=1.6))
-    return ["orange: stick-slip boundary"]
+def _longest(cells: PatchCells) -> str:
+    largest = significant(1e-6 * np.hypot(*cells.traction.T).max())
+    return f"longest arrow: traction of {largest} MPa on the {cells.on}"
