@@ -132,7 +132,7 @@ class Drawing:
         return low - more, high + more
 
     def plain(self) -> dict[str, Any]:
-        """Numbers, texts and lists for a browser, rounded to what can be seen."""
+        """Numbers, texts and lists for a browser, with the precision that can be seen."""
         x, y = self.limits
         error = SEEN * max(x[1] - x[0], y[1] - y[0])
         return {
