@@ -301,7 +301,7 @@ window.wheelrail_explorer = (() => {
         role: "img",
         "aria-label": this.drawing?.title,
         style: {
-          display: "block",
+          display: this.drawing ? "block" : "none",
           width: "100%",
           filter: this.stale ? "grayscale(1) opacity(0.4)" : "none",
           cursor: this.$.vnode.props?.onPick ? "crosshair" : "default",

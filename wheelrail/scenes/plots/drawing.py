@@ -8,14 +8,14 @@ from functools import cache
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wheelrail.scenes.plots.style import PRESSURE_MAP
 from wheelrail.support.arrays import Array
 
 Marker = Literal["", "o", "D", "^", "v"]
-SEEN = 1e-4  # error in a browser over the length of the axes: a tenth of a pixel
+SEEN = 1e-4  # error in a browser over the length of an axis, or over the largest value: a tenth of a pixel
 START = 16  # points to the next one that is kept in any case: fewer rounds of thinning
-DIGITS = 5  # significant ones of numbers in a browser
 
 
 @dataclass(frozen=True)
@@ -134,13 +134,15 @@ class Drawing:
     def plain(self) -> dict[str, Any]:
         """Numbers, texts and lists for a browser, with the precision that can be seen."""
         x, y = self.limits
-        error = SEEN * max(x[1] - x[0], y[1] - y[0])
+        sizes = np.array([x[1] - x[0], y[1] - y[0]])
+        if self.equal:
+            sizes[:] = sizes.max()
         return {
             **{name: getattr(self, name) for name in ("title", "x_label", "y_label", "equal", "notes", "legend")},
             "x_limits": x,
             "y_limits": y,
             "bar": None if self.bar is None else {**vars(self.bar), "colours": colour_scale()},
-            "layers": [_plain(layer, error) for layer in self.layers],
+            "layers": [_plain(layer, sizes) for layer in self.layers],
         }
 
 
@@ -153,8 +155,8 @@ def colour_scale(count: int = 32) -> tuple[str, ...]:
     return tuple(to_hex(colour) for colour in colormaps[PRESSURE_MAP](np.linspace(0.0, 1.0, count)))
 
 
-def thinned(points: Array, error: float) -> Array:
-    """Some of the points (n, 2) of a curve, by the method of Ramer, Douglas and Peucker.
+def thinned(points: Array, error: float) -> NDArray[np.int64]:
+    """Indices of some points (n, 2) of a curve, by the method of Ramer, Douglas and Peucker.
 
     Parameters:
         points: finite.
@@ -169,22 +171,29 @@ def thinned(points: Array, error: float) -> Array:
         furthest = np.maximum.reduceat(away, kept[:-1])[piece]
         split = np.flatnonzero((away == furthest) & (furthest > error))
         if not split.size:
-            return np.asarray(points[kept])
+            return kept
         kept = np.union1d(kept, split)
 
 
-def _plain(layer: Layer, error: float) -> dict[str, Any]:
+def _plain(layer: Layer, sizes: Array) -> dict[str, Any]:
+    """Fields of a layer, for axes of the given sizes (2,)."""
     values = vars(layer)
     if isinstance(layer, Line) and not layer.marker and len(layer.points) > 2 and np.isfinite(layer.points).all():
-        values = {**values, "points": thinned(layer.points, error)}
-    plain = {name: _rounded(value) if isinstance(value, np.ndarray) else value for name, value in values.items()}
+        values = {**values, "points": layer.points[thinned(layer.points / sizes, SEEN)]}
+    plain = {name: _rounded(value, sizes) if isinstance(value, np.ndarray) else value for name, value in values.items()}
     return {"kind": type(layer).__name__, **plain}
 
 
-def _rounded(values: Array) -> Any:
-    """Lists of numbers with a common last digit, None for rows with numbers that are not finite."""
-    if not np.isfinite(values).all():
-        return [None if not np.isfinite(row).all() else _rounded(row) for row in values]
-    largest = float(np.abs(values).max(initial=0.0))
-    digits = DIGITS - 1 - int(np.floor(np.log10(largest))) if largest > 0.0 else 0
-    return np.round(values, digits).tolist()
+def _rounded(values: Array, sizes: Array) -> list[Any]:
+    """Coordinates (..., 2) for axes of the given sizes, or values (n,), as lists; None for rows that are not finite."""
+    finite = np.isfinite(values).reshape(len(values), -1).all(axis=1)
+    if values.ndim == 1:
+        rounded = np.round(values, _digits(np.abs(values[finite]).max(initial=0.0)))
+    else:
+        rounded = np.stack([np.round(values[..., k], _digits(size)) for k, size in enumerate(sizes)], axis=-1)
+    return [row if valid else None for row, valid in zip(rounded.tolist(), finite, strict=True)]
+
+
+def _digits(size: float) -> int:
+    """Decimals of numbers with an error that cannot be seen."""
+    return int(np.ceil(-np.log10(SEEN * size))) if size > 0.0 else 0
