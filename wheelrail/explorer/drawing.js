@@ -63,7 +63,7 @@ window.wheelrail_explorer = (() => {
     const legend = legendOf(pen, drawing, w);
     const rows = legend.length ? 1 + legend.at(-1).row : 0;
     const label = wrapped(pen, drawing.x_label, w);
-    const notes = drawing.notes.flatMap(note => wrapped(pen, note, w));
+    const notes = drawing.notes.flatMap(note => wrapped(pen, note, width - LEFT));
     const below = LINE * (1 + label.length + rows + notes.length) + 12;
     let x = drawing.x_limits, y = drawing.y_limits;
     let h = Math.max((given || GIVEN) - TOP - below, 40);
