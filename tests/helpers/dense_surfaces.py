@@ -64,6 +64,12 @@ class DenseSurfaces:
         below = corners[:, 1].min() - 1.0
         return Path(np.concatenate([corners, [[corners[-1, 0], below], [corners[0, 0], below]]]))
 
+    def _inside(self, points: Array) -> Array:
+        """Points (m, 2) inside the rail out of points (n, 2); a box leaves few for the polygon of many corners."""
+        low, high = self._rail[0].min(axis=0), self._rail[0].max(axis=0)
+        near = points[(points[:, 0] >= low[0]) & (points <= high).all(axis=1)]
+        return np.asarray(near[self._outline.contains_points(near)])
+
     def overlaps(self, pose: Pose) -> tuple[Array, Array]:
         """Lateral positions (n,) m on the wheel's profile and depths m of the overlap at its lowest points; no yaw."""
         s = np.linspace(*self.wheel.s_range, 2000)
@@ -75,8 +81,7 @@ class DenseSurfaces:
         """Largest depth m of the overlap; 0 without."""
         s, x = np.linspace(*self.wheel.s_range, 800), np.linspace(-0.15, 0.15, 400)
         points = self.places(pose, *(part.ravel() for part in np.meshgrid(s, x, indexing="ij")))
-        inside = self._outline.contains_points(points)
-        return float(self.distances(points[inside]).max(initial=0.0))
+        return float(self.distances(self._inside(points)).max(initial=0.0))
 
     def gap(self, pose: Pose) -> float:
         """Smallest distance m of separated surfaces."""
