@@ -81,18 +81,8 @@ def deformed(
     is_cut = mesh.bounds[5] > top
     clipped = mesh.clip("z", origin=(0.0, 0.0, top)) if is_cut else mesh
     drawn = displaced(clipped.extract_surface(algorithm="dataset_surface"), scale, offset_z)
-    actor = plotter.add_mesh(
-        drawn,
-        scalars=DISPLACEMENT,
-        cmap=MAPS[DISPLACEMENT],
-        clim=(0.0, largest),
-        smooth_shading=True,
-        split_sharp_edges=True,
-        ambient=0.25,
-        show_scalar_bar=False,
-    )
-    if bar:
-        colour_bar(plotter, actor.mapper, DISPLACEMENT)
+    looks = {"smooth_shading": True, "split_sharp_edges": True, "ambient": 0.25}
+    coloured(plotter, drawn, DISPLACEMENT, largest, bar=bar, **looks)
     surface = mesh.extract_surface(algorithm="dataset_surface")
     edges = surface.extract_feature_edges(45.0, boundary_edges=False, non_manifold_edges=False)
     edges = edges.clip("z", origin=(0.0, 0.0, top)) if is_cut else edges
@@ -146,18 +136,26 @@ def displaced_with(mesh: Any, body: Any, scale: float, offset_z: float = 0.0) ->
     return displaced(copy, scale, offset_z)
 
 
+def coloured(plotter: Any, mesh: Any, name: str, largest: float, *, bar: bool, **looks: Any) -> None:
+    """Draw a mesh in the colours of one of its values, on a scale from zero.
+
+    Parameters:
+        plotter: PyVista plotter.
+        mesh: with the values.
+        name: of the values, with their unit.
+        largest: upper end of the scale.
+        bar: whether to draw a colour bar.
+        looks: options of `add_mesh`.
+    """
+    shown = {"cmap": MAPS[name], "clim": (0.0, largest), "show_scalar_bar": False}
+    actor = plotter.add_mesh(mesh, scalars=name, **shown, **looks)
+    if bar:
+        colour_bar(plotter, actor.mapper, name)
+
+
 def patch_pressure(plotter: Any, mesh: Any, *, peak: float, bar: bool = False) -> None:
     """Draw the pressure of the patch cells, on a scale up to a peak, MPa."""
-    actor = plotter.add_mesh(
-        mesh,
-        scalars=PRESSURE,
-        cmap=MAPS[PRESSURE],
-        clim=(0.0, peak),
-        lighting=False,
-        show_scalar_bar=False,
-    )
-    if bar:
-        colour_bar(plotter, actor.mapper, PRESSURE)
+    coloured(plotter, mesh, PRESSURE, peak, bar=bar, lighting=False)
 
 
 def stress_cut(
@@ -178,14 +176,5 @@ def stress_cut(
     """
     box = np.ravel(np.column_stack([around - reach, around + reach]))
     drawn = displaced(mesh.clip_box(box, invert=False), 0.0, offset_z)
-    actor = plotter.add_mesh(
-        drawn,
-        scalars=MISES,
-        cmap=MAPS[MISES],
-        clim=(0.0, largest),
-        lighting=False,
-        show_scalar_bar=False,
-    )
-    if bar:
-        colour_bar(plotter, actor.mapper, MISES)
+    coloured(plotter, drawn, MISES, largest, bar=bar, lighting=False)
     return drawn
