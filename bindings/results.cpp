@@ -17,7 +17,7 @@ void require_bounds(const Numbers& square, const Numbers& bounds) {
 PatchSums on_material(PatchSums sums, const BodyDisplacements& of, Numbers s, Numbers load) {
     require(s.size() > 0 && load.size() == s.size() && of.wheel.size() == s.size(),
             "displacements, s, load: must be as long as each other");
-    // the sums given stay as they are
+    // the given sums remain unchanged
     sums.bands = Array<double, 1>::copy(sums.bands);
     sums.wheel = Array<double, 1>::copy(sums.wheel), sums.rail = Array<double, 1>::copy(sums.rail);
     put_on_material(sums, {of.wheel, of.rail, of.wheel_normal}, s, load);

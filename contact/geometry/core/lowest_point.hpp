@@ -148,7 +148,7 @@ inline Lowest lowest_on(const Shape& rail, double radius, const Pose<double>& po
             double ty = line.tangent.z * own.up.y + line.tangent.y * axle.y;
             double tz = line.tangent.z * own.up.z + line.tangent.y * axle.z;
             double slope = ty * on.tangent.z - tz * on.tangent.y + step * (ty * on.bend.z - tz * on.bend.y);
-            // The last step raises the point by half of what the slopes of its height, which it takes to zero, say.
+            // The last step takes the slopes of the height to zero, and raises the point by half of their prediction.
             double height = own.height + 0.5 * (turn * r * own.level + step * cross(on.bend, own.away));
             return {-height, slope, radius * (std::atan(sine / cosine) + turn), sample, at + step, j};
         }

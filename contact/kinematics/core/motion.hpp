@@ -69,8 +69,9 @@ struct RigidMotion {
     Twist<T> wheel, rail;
 };
 
-// Motions that vary with the pose, which the wheel's reference point moves with, by six changes, and by the wheel's
-// velocity and angular velocity, three each: the twelve changes of `wheelrail.contact.kinematics.sensitivity`.
+// Motions that vary by the twelve changes of `wheelrail.contact.kinematics.sensitivity`.
+// Six are those of the pose, with which the wheel's reference point moves, three each of the wheel's velocity and
+// angular velocity.
 template <class T>
 RigidMotion<T> varied(const RigidMotion<double>& motion, const Pose<double>& pose) {
     auto added = [](const Vec<double>& a, int first) {

@@ -156,7 +156,7 @@ class OpenedElements {
 
     std::mutex lock_;  // of what follows
     std::map<int, std::shared_ptr<OpenElement>> elements_;
-    // with the times when they were written
+    // by path, with the time of writing
     std::map<std::string, std::pair<std::filesystem::file_time_type, std::weak_ptr<const WheelsetFile>>> files_;
     int count_ = 0;
     std::string error_;

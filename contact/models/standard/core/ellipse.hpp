@@ -40,8 +40,8 @@ Complete<T> complete(const T& k) {
     return {K, K * total};
 }
 
-// Semi-axes short / long of the patch from the coefficients A / B <= 1 of the gap A x^2 + B y^2 (Johnson 1985,
-// eq. 4.26): secant steps on a nearly straight line between logarithms.
+// Semi-axes short / long of the patch from the coefficients A / B <= 1 of the gap A x^2 + B y^2.
+// Johnson 1985, eq. 4.26, by secant steps on a nearly straight line between logarithms.
 inline double axis_ratio(double curvatures) {
     if (curvatures >= 1.0) return 1.0;
     double target = std::log(std::max(curvatures, 1e-12)), u0 = 0.0, f0 = -target, u1 = 0.66 * target;

@@ -30,7 +30,7 @@ struct WheelForces {
     // contacts and of cells; largest semi-axes m along and across; smallest rolling speed m/s; largest pressure Pa
     Array<double, 2> values;
     Array<long, 2> starts;  // (w + 1, 6), first rows of each wheel in the arrays that follow
-    // those of `WheelRegions`, wheel after wheel
+    // fields of `WheelRegions`, wheel after wheel
     Array<double, 2> top, low;
     Array<double, 1> edges;
     Array<double, 2> contacts;

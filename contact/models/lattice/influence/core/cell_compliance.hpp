@@ -66,8 +66,7 @@ inline std::pair<bool, Array<double, 2>> cell_operator(const PairTables& tables,
     return {true, by_pressure};
 }
 
-// Relative normal displacement (n, C) m of cells with boundaries (n, C + 1) m on n unloaded strips, and whether all
-// distances lie in the tables.
+// Relative normal displacement (n, C) m of cells on n unloaded strips, and whether all distances lie in the tables.
 //
 // tables: of the pairs of strips. strips, middle: (n,) numbers of the unloaded ones, and m.
 // edges: (n, C + 1) m, by length on the surface.
@@ -89,7 +88,7 @@ inline std::pair<bool, Array<double, 2>> normal_displacements(const PairTables& 
             double turn =
                 strips(i) == first ? 1.0 : -1.0;  // reciprocity: the transposed table at the opposite distance
             double before = 0.0;
-            // Add means over the cells of what an antiderivative gives at their boundaries.
+            // Add means over the cells, from an antiderivative at their boundaries.
             auto add = [&](long r, double total) {
                 if (r > 0) displacement(i, r - 1) += (total - before) / (rows(r) - rows(r - 1));
                 before = total;

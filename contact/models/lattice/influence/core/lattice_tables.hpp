@@ -228,7 +228,7 @@ class LatticeTables {
     Array<bool, 1> carried;
     Array<double, 1> bounds;
     std::mutex growing;
-    // Of these, what has been given out does not change: pairs are added behind, or in new arrays.
+    // Parts that were given out do not change: pairs are added behind, or in new arrays.
     Array<double, 3> values;
     Array<int, 2> pair;
     Array<long, 1> first, cells;

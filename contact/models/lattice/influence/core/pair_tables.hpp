@@ -172,8 +172,9 @@ class Pair {
     double inverse = 0.0;
 };
 
-// Write G (R, C, 8), and its slopes H if wanted, at the distances of boundaries rows (R,) on strip i and columns (C,)
-// on j >= i, with turn = -1 at the opposite distances. False where they are farther apart than the table reaches.
+// Write G (R, C, 8), and its slopes H if wanted, at the distances between boundaries of two strips.
+// rows (R,) on strip i, columns (C,) on j >= i; with turn = -1 at the opposite distances. False where they are farther
+// apart than the table reaches.
 template <bool slopes>
 bool look_up(const PairTables& tables, long i, long j, const Numbers& rows, const Numbers& columns,
              const View<double, 3>& G, const View<double, 3>& H, double turn = 1.0) {

@@ -71,8 +71,8 @@ inline double beyond(double outer, double inner) {
     return rise > 0.0 ? std::clamp(outer * outer / rise, 0.0, 1.0) : 1.0;
 }
 
-// Ends m of the pressure (N,) on cells of a length m from a start m on, extrapolated by its square where there are
-// three loaded cells.
+// Ends m of the pressure (N,) on cells of a length m from a start m on.
+// Extrapolated by the square of the pressure where there are three loaded cells.
 inline std::array<double, 2> extent(Numbers p, const std::vector<long>& loaded, double start, double cell) {
     long a = loaded.front(), b = loaded.back();
     double low = start + double(a) * cell, high = start + double(b + 1) * cell;

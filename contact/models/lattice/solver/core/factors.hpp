@@ -96,9 +96,9 @@ inline Array<double, 2> newton_step(const Factors& factors, Rows residual) {
     return step;
 }
 
-// Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n), with the Jacobian (n,
-// n) of factors that are not corrected. Iterative refinement: N. Higham, Accuracy and Stability of Numerical
-// Algorithms, 2002, chapter 12.
+// Solutions (k, n) in double precision of the transposed equations for right-hand sides (k, n).
+// The Jacobian (n, n) is that of factors that are not corrected. Iterative refinement: N. Higham, Accuracy and
+// Stability of Numerical Algorithms, 2002, chapter 12.
 inline Array<double, 2> solve_transposed(const Factors& factors, Rows jacobian, Rows right) {
     long sides = right.size(), n = right.shape[1];
     Array<double, 2> solution(sides, n), rest = Array<double, 2>::copy(right);
@@ -120,7 +120,7 @@ inline Array<double, 2> solve_transposed(const Factors& factors, Rows jacobian, 
             }
             if (largest > 0.0) after = std::max(after, size / largest);
         }
-        // what is left is as much smaller as this change
+        // the error falls by as much as this change
         if (finite && step > 0 && after * after <= REFINED * before) return solution;
         before = after;
         for (long i = 0; i < sides; ++i) {

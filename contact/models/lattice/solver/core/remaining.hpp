@@ -135,7 +135,7 @@ inline Remaining remaining(Rows values, const EquationData& data, const Probes& 
         auto top = maximum(first[k], all.low(k), all.high(k));
         double half = 0.5 * (all.high(k) - all.low(k)) / C;
         highest(k) = top.height;
-        // as uncertain as what it falls within half a cell
+        // as uncertain as its own fall within half a cell
         if (top.height + 0.5 * top.curvature * half * half > 0.0) close.push_back(k), places.push_back(top.place);
     }
     long n = long(close.size());
@@ -149,8 +149,7 @@ inline Remaining remaining(Rows values, const EquationData& data, const Probes& 
         rest.half(k) = 0.5 * (all.high(close[k]) - all.low(close[k]));
         at.low(k) = places[k] - 2.0 * rest.half(k) / C, at.high(k) = places[k] + 2.0 * rest.half(k) / C;
     }
-    // around the maximum, again while it may be positive or not: it is flatter than a parabola, or narrow at an end of
-    // the next strip
+    // around the maximum, again while its sign is open: flatter than a parabola, or narrow at an end of the next strip
     for (int narrowing = 0; narrowing < NARROWINGS; ++narrowing) {
         auto [found, second] =
             excess(values, data, probes.lattice, lines.onset, probes.second, at.strips, at.low, at.high);

@@ -19,8 +19,8 @@ struct ContactLines {
     Array<double, 1> foot;   // (K,) m, arc length of closest points on the lower body; NaN: the gap exceeds the margin
     Array<double, 2> level;  // (K, 3), longitudinal axis
     Array<bool, 1> covered;  // (K,) strips that the lines of both bodies carry
-    // (K,) these and strips that penetrate: displacements may bring them into contact, for friction on a tread can
-    // close the gap of a flange
+    // (K,) covered strips and strips that penetrate, as displacements may bring more into contact: friction on a tread
+    // can close the gap of a flange
     Array<bool, 1> near;
     Array<bool, 1> probed;           // (K,) strips near to contact to look at first, see `smallest_gaps`
     double approach = 0.0;           // m, the largest penetration

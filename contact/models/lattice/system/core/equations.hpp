@@ -138,8 +138,8 @@ inline void complete(Rows values, const StripGrid& grid, const EquationData& dat
     }
 }
 
-// Whether all distances lie in the tables, and the antiderivative V (S, M + 3, 3) of the displacements, by jumps
-// (S, M + 1, 3) N/m of `force_jumps`.
+// Whether all distances lie in the tables, and the antiderivative V (S, M + 3, 3) of the displacements.
+// jumps: (S, M + 1, 3) N/m of `force_jumps`.
 inline std::pair<bool, Array<double, 3>> displacements(Rows values, const StripGrid& grid, Blocks jumps,
                                                        const EquationData& data) {
     auto [inside, V] = antiderivatives(data.tables, grid, jumps);

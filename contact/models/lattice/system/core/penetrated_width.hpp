@@ -50,8 +50,8 @@ inline double strips_across(Numbers depth, Numbers slenderness) {
     return square > 0.0 ? OF_PARABOLA * twice / square : 0.0;
 }
 
-// `strips_across` of the penetration less the displacement of finite bodies by the loads of a state with values
-// (S, block), and whether their compliance is known there.
+// `strips_across` of the penetration less the displacement of finite bodies by the loads of a state.
+// values: (S, block) of the state. With it, whether the compliance of the bodies is known there.
 inline std::pair<bool, double> strips_beside_bulk(Rows values, const EquationData& data, const ContactLines& lines,
                                                   const Lattice& lattice, Numbers slenderness,
                                                   const std::vector<BulkCompliance>& bodies) {
@@ -198,7 +198,7 @@ inline std::pair<double, Array<double, 1>> penetrated_width(const LiftedPenetrat
             moved += by_depth * at.slope() * line + by_share * (half * weight(i) / interpolated(line, middle, width));
             at.add(by_depth, change);
         }
-        // bounds at the edge of a region move with it, saddles count as fixed
+        // bounds at the edge of a region move with the edge, saddles count as fixed
         LineChange lower = change_of(p, NODES), upper = change_of(p, NODES + 1);
         lower.add(continues[p] ? OF_PARABOLA * sums.slopes[p].saddle / sums.square : -moved.d[0] / lower.slope(),
                   change);

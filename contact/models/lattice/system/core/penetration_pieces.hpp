@@ -101,8 +101,8 @@ inline void add_maxima(const LiftedPenetration& depth, Numbers s, std::vector<Pi
     }
 }
 
-// Pieces of the undeformed penetration with one maximum each, in order, from the strips' middle and width (K,) m, and
-// their mean penetration less the lift (K,) m.
+// Pieces of the undeformed penetration with one maximum each, in order.
+// middle, width: (K,) m, of the strips. mean: (K,) m, penetration less the lift.
 inline std::vector<Piece> maxima(const LiftedPenetration& depth, Numbers middle, Numbers width, Numbers mean) {
     long K = middle.size();
     std::vector<bool> sought(K, false);
