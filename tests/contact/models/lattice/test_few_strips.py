@@ -105,6 +105,14 @@ def test_tension_of_wide_contacts_is_solved_on_narrower_strips() -> None:
     np.testing.assert_allclose(found.force, narrower.force, rtol=1e-6)
 
 
+def test_tension_that_half_the_width_does_not_lower_is_not_sought_on_a_quarter() -> None:
+    """Ten times as long a solve, in vain: six strips with 29 MPa at their ends have 2.5 on half the width."""
+    contact, state = replace(wheelset(6, 6, 0.3), model=replace(wheelset(6, 6, 0.3).model)), at(2e-3, -1e-4)
+    for model in (contact.model, *contact.model._finer[:-1]):
+        model._setting.least_pressure = np.inf
+    assert "negative at an end of a strip" in contact(state, "left").status
+
+
 def test_tension_of_cells_is_found() -> None:
     """A semi-ellipse tilted by more than its mean is negative at one end."""
     contact = wheelset(6, 6, 0.0)

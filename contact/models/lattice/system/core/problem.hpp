@@ -188,12 +188,13 @@ class LatticeProblem {
         return *slips;
     }
 
-    // Whether the mean pressure over a cell is negative, as may happen at a strip's end with few cells.
-    bool tensile(const LatticeState& state) const {
-        for (double pressure : cell_pressures(state.values, at.basis, at.rolls()))
-            if (pressure < at.least_pressure) return true;
-        return false;
+    // Least mean pressure Pa over a cell.
+    double least_pressure(const LatticeState& state) const {
+        auto pressures = cell_pressures(state.values, at.basis, at.rolls());
+        return *std::min_element(pressures.begin(), pressures.end());
     }
+    // Whether the mean pressure over a cell is negative, as may happen at a strip's end with few cells.
+    bool tensile(const LatticeState& state) const { return least_pressure(state) < at.least_pressure; }
     // Message on the largest tension of a tensile solution, and its place.
     std::string tension(const LatticeState& state) const {
         auto pressures = cell_pressures(state.values, at.basis, at.rolls());
