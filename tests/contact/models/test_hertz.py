@@ -100,7 +100,7 @@ def family(cell: str, degree: int, radius: float, growth: float) -> Block:
 
 # radius of the patch in cells, and growth of the cells by their depth
 FAMILIES = {
-    "tetrahedra": ("tetrahedron", 1, [(2.0, 0.6), (2.8, 0.43), (4.0, 0.3), (5.6, 0.215)]),
+    "tetrahedra": ("tetrahedron", 1, [(2.0, 0.6), (2.8, 0.43), (4.0, 0.3)]),
     "hexahedra": ("hexahedron", 1, [(2.0, 1.0), (2.8, 0.71), (4.0, 0.5)]),
     "quadratic": ("tetrahedron", 2, [(1.0, 1.6), (1.4, 1.15), (2.0, 0.8)]),
 }
