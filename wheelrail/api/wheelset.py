@@ -93,11 +93,11 @@ class Wheelset:
     ) -> None:
         check_keys("Wheelset", more, ALLOWED)
         if laying_angle is None:
-            laying_angle = _inclination(rail)
+            laying_angle = usual_inclination(rail)
             for side in more.keys() & {"left", "right"}:
                 if isinstance(more[side], Mapping) and "rail" in more[side]:
-                    more[side] = {"laying_angle": _inclination(more[side]["rail"]), **more[side]}
-        names, self._given = with_names("Wheelset", {"wheel": wheel, "rail": rail, **more})
+                    more[side] = {"laying_angle": usual_inclination(more[side]["rail"]), **more[side]}
+        names, self.given = with_names("Wheelset", {"wheel": wheel, "rail": rail, **more})
         self.arguments: dict[str, Any] = {
             "wheel": names.pop("wheel"),
             "rail": names.pop("rail"),
@@ -233,7 +233,7 @@ class Wheelset:
 
     def _scene(self, arguments: Mapping[str, Any]) -> WheelsetScene:
         keys = replaced(self.arguments, arguments, GROUPS)
-        scene = scene_of("Wheelset", "wheelset", keys, SECTIONS, self._given)
+        scene = scene_of("Wheelset", "wheelset", keys, SECTIONS, self.given)
         assert isinstance(scene, WheelsetScene)
         return scene
 
@@ -242,7 +242,7 @@ class Wheelset:
         return f"Wheelset({arguments})"
 
 
-def _inclination(rail: str | Path | Profile) -> float:
+def usual_inclination(rail: str | Path | Profile) -> float:
     """Default inclination rad of a rail: that of tracks for a standard profile that is not inclined yet."""
     if isinstance(rail, Profile):
         return inclination(rail.name) if rail.placement.angle == 0.0 else 0.0

@@ -1,0 +1,176 @@
+"""Jobs of the explorer's worker processes: solve and describe the pictures; nothing of the page is known here."""
+
+from __future__ import annotations
+
+import logging
+from collections import OrderedDict
+from collections.abc import Sequence
+from multiprocessing.connection import Connection
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.support.worker_process import single_thread
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from wheelrail.api.hertz import Hertz
+    from wheelrail.api.solution import Solution
+    from wheelrail.api.wheelset import Wheelset
+    from wheelrail.explorer.subject import Calls
+    from wheelrail.explorer.views import Panel
+    from wheelrail.meshes.profiles.profile import Profile
+
+KEPT = 4  # contacts with their compliance, and as many contact geometries
+GEOMETRY = ("wheel", "rail", "laying_angle", "gauge", "gauge_height", "flange_back_distance", "flange_back", "radius")
+
+
+class Kept:
+    """What a worker process keeps from one job to the next."""
+
+    contacts: OrderedDict[str, Wheelset | Hertz] = OrderedDict()
+    geometries: OrderedDict[str, Dataset] = OrderedDict()
+    profiles: dict[str, Profile] = {}
+
+
+class Messages(logging.Handler):
+    """Sends log messages of this package to the page's process."""
+
+    def __init__(self, to: Connection) -> None:
+        super().__init__(logging.INFO)
+        self.to = to
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.to.send(record.getMessage())
+
+
+def prepare(messages: Connection) -> None:
+    """First call of a worker process; imports what the first solve would have to wait for."""
+    single_thread()
+    from wheelrail.explorer import subject, views  # noqa: F401
+    from wheelrail.support.terminal import LOGGER
+
+    logger = logging.getLogger(LOGGER)
+    logger.addHandler(Messages(messages))
+    logger.setLevel(logging.INFO)
+
+
+def keep_profiles(profiles: dict[str, Profile]) -> None:
+    """Know the profiles that are not in the library, by name."""
+    Kept.profiles.update(profiles)
+
+
+def solve(calls: Calls, views: Sequence[str]) -> dict[str, Any]:
+    """Solution of a contact for the page: status, table, values, pictures.
+
+    Parameters:
+        calls: arguments of the contact and of its `solve`.
+        views: names of the pictures.
+
+    Raises SceneError and ValueError for arguments that are not allowed.
+    """
+    from wheelrail.explorer.views import panels
+
+    solution = _solution(calls)
+    return _described(solution, panels(solution.data, views) if solution.ok else [])
+
+
+def stress(calls: Calls) -> dict[str, Any]:
+    """Solution with the stress below the patches."""
+    from dataclasses import replace
+
+    from wheelrail.explorer.views import DEPTHS, stress_panels
+
+    solution = _solution(replace(calls, solve={**calls.solve, "stress": {"depths": list(DEPTHS)}}))
+    return _described(solution, stress_panels(solution.data) if solution.ok else [])
+
+
+def bodies(calls: Calls, folder: str) -> list[tuple[str, str]]:
+    """Interactive 3D view of each side in contact: its name and HTML page.
+
+    Parameters:
+        calls: arguments.
+        folder: for files meanwhile.
+
+    Raises ValueError without contact.
+    """
+    from pathlib import Path
+
+    solution = _solution(calls)
+    pages = []
+    for side, result in solution.results.items():
+        if result.status == "converged":
+            file = Path(folder, f"{side}.html")
+            solution.view(side, file=file).close()
+            pages.append((side, file.read_text()))
+            file.unlink()
+    if not pages:
+        raise ValueError(f"nothing to show: {solution.status}")
+    return pages
+
+
+def trace(calls: Calls, quantity: str) -> dict[str, float]:
+    """Value of a quantity by side, for one place of a slider; NaN where the arguments are not allowed.
+
+    Parameters:
+        calls: arguments.
+        quantity: name in `wheelrail.explorer.views.TRACED`.
+    """
+    from wheelrail.explorer.views import traced
+
+    try:
+        return traced(_solution(calls).data, quantity)
+    except ValueError:
+        return {}
+
+
+def geometry(calls: Calls) -> list[dict[str, Any]]:
+    """Pictures of the contact geometry, with the present place."""
+    from wheelrail.api.contact_geometry import contact_geometry
+    from wheelrail.explorer.views import geometry_panels
+
+    own = {key: value for key, value in _with_profiles(calls.contact).items() if key in GEOMETRY}
+    own |= {side: {"radius": calls.contact[side]["radius"]} for side in ("left", "right") if side in calls.contact}
+    key = repr({name: getattr(value, "digest", lambda value=value: value)() for name, value in own.items()})
+    if key not in Kept.geometries:
+        Kept.geometries[key] = contact_geometry(**own)
+        _forget(Kept.geometries)
+    return [panel.plain() for panel in geometry_panels(Kept.geometries[key], calls.solve.get("y", 0.0))]
+
+
+def _solution(calls: Calls) -> Solution:
+    from wheelrail.explorer.subject import CLASSES
+
+    if calls.key not in Kept.contacts:
+        Kept.contacts[calls.key] = CLASSES[calls.kind](**_with_profiles(calls.contact))
+        _forget(Kept.contacts)
+    Kept.contacts.move_to_end(calls.key)
+    return Kept.contacts[calls.key].solve(**calls.solve)
+
+
+def _with_profiles(arguments: dict[str, Any]) -> dict[str, Any]:
+    """Arguments with profiles in place of the names of those that are known here."""
+    return {
+        key: Kept.profiles.get(value, value) if key in ("wheel", "rail") else value for key, value in arguments.items()
+    }
+
+
+def _forget(kept: OrderedDict[str, Any]) -> None:
+    while len(kept) > KEPT:
+        kept.popitem(last=False)
+
+
+def _described(solution: Solution, drawn: Sequence[Panel]) -> dict[str, Any]:
+    from wheelrail.scenes.contacts.table import table as table_of
+
+    data = solution.data
+    table = table_of(data)
+    return {
+        "status": solution.status,
+        "ok": solution.ok,
+        "table": {"head": list(table.head), "rows": [list(row) for row in table.rows if row]},
+        "values": {
+            name: data[name].values.tolist() for name in ("longitudinal_force", "lateral_force", "vertical_force")
+        },
+        "seconds": float(data["contact_seconds"].sum()),
+        "panels": [panel.plain() for panel in drawn],
+    }

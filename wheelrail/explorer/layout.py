@@ -1,0 +1,232 @@
+"""Layout of the page: controls in a drawer, views side by side, and texts to copy."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import TYPE_CHECKING, Any
+
+from trame_client.widgets import html
+from trame_client.widgets.core import AbstractElement
+from trame_client.widgets.trame import Style
+from trame_vuetify.ui.vuetify3 import VAppLayout
+from trame_vuetify.widgets import vuetify3 as v
+
+from wheelrail.explorer.subject import CHOSEN
+from wheelrail.explorer.views import BESIDE, DRAWN, TRACED
+
+if TYPE_CHECKING:
+    from wheelrail.explorer.controls import Control
+    from wheelrail.explorer.page import Page
+
+SIDES = {"": "", "left": "left", "right": "right", "contact": ""}
+STYLE = """
+.wr-views { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 380px), 1fr)); gap: 8px; padding: 8px; }
+.wr-view { min-width: 0; }
+.wr-view iframe { width: 100%; height: 420px; border: 0; }
+.wr-table { font-size: 12px; overflow-x: auto; }
+.wr-table td, .wr-table th { padding: 1px 8px; white-space: nowrap; text-align: left; font-weight: normal; }
+.wr-table td + td, .wr-table th + th { text-align: right; font-variant-numeric: tabular-nums; }
+.wr-control { padding: 0 12px; } .wr-control .v-field__input { font-size: 13px; }
+.wr-label { font-size: 12px; padding-top: 6px; }
+.wr-row { display: flex; align-items: center; gap: 8px; }
+.wr-row .v-slider { flex: 1; } .wr-number { width: 84px; flex: none; }
+.wr-number input, .wr-text input { width: 100%; font-size: 13px; text-align: right; color: inherit;
+  border: 1px solid rgba(128,128,128,0.5); border-radius: 3px; padding: 1px 4px; background: transparent; }
+.wr-stale { opacity: 0.45; }
+.wr-code { font: 12px monospace; white-space: pre-wrap; user-select: all; }
+.wr-pick { font-size: 12px; padding: 4px 12px; } .wr-pick label { display: block; }
+.wr-drop { position: fixed; inset: 0; z-index: 3000; display: flex; background: rgba(0, 60, 110, 0.55); }
+.wr-drop > div { flex: 1; margin: 6vh 2vw; border: 3px dashed white; border-radius: 12px; color: white; font-size: 28px;
+  display: flex; align-items: center; justify-content: center; }
+"""
+
+
+class Picture(AbstractElement):
+    """Canvas of a drawing, see `browser/drawing.js`."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("wr-drawing", **kwargs)
+        self._attr_names += ["drawing", "stale", "reason", "dark", "height"]
+        self._event_names += ["pick"]
+
+
+class Drop(AbstractElement):
+    """Target of files that are dropped on the page, see `browser/page.js`."""
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__("wr-drop", **kwargs)
+        self._attr_names += ["largest"]
+        self._event_names += ["file", "dark", "reset"]
+
+
+def draw_layout(page: Page) -> None:
+    """Build the page."""
+    with VAppLayout(page.server, theme=("dark ? 'dark' : 'light'",)) as layout:
+        Style(STYLE)
+        with v.VAppBar(density="compact"):
+            v.VAppBarNavIcon(click="drawer = !drawer", aria_label="controls")
+            html.Span(
+                "{{ busy || reason || (status + ', ' + (1e3 * seconds).toFixed(0) + ' ms') }}",
+                classes="wr-status text-body-2",
+                aria_live="polite",
+            )
+            v.VProgressCircular(v_if="busy", indeterminate=True, size=18, width=2, classes="ml-2")
+            v.VBtn("cancel", v_if="busy", click=page.cancel, size="small", classes="wr-cancel")
+            v.VSpacer()
+            v.VBtn("reset", click=page.reset, size="small", classes="wr-reset", title="key r")
+            v.VBtn("copy as Python", click="shown_text = python; dialog = true", size="small", classes="wr-python")
+            v.VBtn("save as scene", click="shown_text = scene; dialog = true", size="small", classes="wr-scene")
+            v.VBtn("{{ dark ? 'light' : 'dark' }}", click="dark = !dark", size="small")
+        with v.VNavigationDrawer(v_model=("drawer", True), width=330):
+            for group, controls in groupby(page.subject.controls, key=lambda control: control.group):
+                html.Div(group, classes="text-subtitle-2 px-3 pt-3")
+                if group == "load":
+                    _alternatives(page)
+                for control in controls:
+                    _control(page, control)
+                if group == "profiles":
+                    Drop(
+                        file=(page.drop, "[$event]"), dark="dark = $event", reset=page.reset, largest=("10000000",)
+                    )
+            if page.subject.kind != "wheelset":
+                Drop(v_show="false", dark="dark = $event", reset=page.reset)
+            html.Div("views", classes="text-subtitle-2 px-3 pt-3")
+            for name, text in {**DRAWN, **BESIDE}.items():
+                if page.has_view(name):
+                    v.VCheckbox(
+                        v_model=(f"view_{name}",), label=text, density="compact", hide_details=True, classes="px-2"
+                    )
+        with v.VMain():
+            v.VAlert("{{ notice }}", v_if="notice", type="warning", density="compact", closable=True, classes="wr-notice")
+            with html.Div(classes="wr-views"):
+                _pictures("panels", view="")
+                with html.Div(v_if="!stale || table.rows.length", classes="wr-view wr-table"), html.Table():
+                    with html.Tr():
+                        html.Th("{{ cell }}", v_for="(cell, k) in table.head", key="k")
+                    with html.Tr(v_for="(row, r) in table.rows", key="r"):
+                        html.Td("{{ cell }}", v_for="(cell, k) in row", key="k")
+                if page.has_view("geometry"):
+                    _pictures("surveyed", "geometry", pick=(page.survey, "[$event]"))
+                _trace(page)
+                _requested(page)
+        with v.VDialog(v_model=("dialog", False), max_width=760), v.VCard():
+            with v.VCardText():
+                html.Div("{{ shown_text }}", classes="wr-code")
+            with v.VCardActions():
+                html.A(
+                    "download",
+                    href=("'data:text/plain;charset=utf-8,' + encodeURIComponent(shown_text)",),
+                    download=("shown_text.startsWith('import') ? 'contact.py' : 'contact.toml'",),
+                    classes="wr-download",
+                )
+                v.VBtn("close", click="dialog = false")
+    page.state.setdefault("shown_text", "")
+    layout.flush_content()
+
+
+def _control(page: Page, control: Control) -> None:
+    shown = f"{CHOSEN} == '{control.key}'" if control.key in page.subject.alternatives else None
+    with html.Div(classes="wr-control", **({"v_if": shown} if shown else {})):
+        if control.choices is not None:
+            items = (f"choices_{control.key}",) if control.key in ("wheel", "rail") else (repr(list(control.choices)),)
+            v.VSelect(
+                v_model=(control.name,),
+                items=items,
+                label=control.label,
+                density="compact",
+                hide_details=True,
+                variant="underlined",
+            )
+            return
+        html.Div(f"{control.label} [{control.unit or '1'}]", classes="wr-label")
+        with html.Div(classes="wr-row"):
+            number = {"type": "number", "step": control.step, "min": control.low, "max": control.high}
+            if not control.text:
+                v.VSlider(
+                    v_model=(control.name,),
+                    min=control.low,
+                    max=control.high,
+                    step=control.step,
+                    density="compact",
+                    hide_details=True,
+                    aria_label=control.label,
+                )
+            with html.Div(classes="wr-text" if control.text else "wr-number"):
+                typed = "$event.target.value" if control.text else "Number($event.target.value)"
+                html.Input(
+                    value=(control.name,),
+                    change=f"{control.name} = {typed}",
+                    aria_label=control.label,
+                    raw_attrs=[] if control.text else [f'{key}="{value}"' for key, value in number.items()],
+                )
+
+
+def _alternatives(page: Page) -> None:
+    labels = {own.key: own.label for own in page.subject.controls_of_kind if own.key in page.subject.alternatives}
+    items = [{"title": text, "value": key} for key, text in labels.items()]
+    with html.Div(classes="wr-control"):
+        v.VSelect(
+            v_model=(CHOSEN,),
+            items=(repr(items),),
+            label="given",
+            density="compact",
+            hide_details=True,
+            variant="underlined",
+        )
+
+
+def _pictures(panels: str, view: str, **events: Any) -> None:
+    """Pictures of a list of panels of the state; view: shown only while that one is wanted."""
+    wanted = {"v_show": f"view_{view}"} if view else {}
+    with html.Div(
+        v_for=f"(panel, index) in {panels}",
+        key="panel.view + panel.side + index",
+        classes=("['wr-view', 'wr-' + panel.view]",),
+        **wanted,
+    ):
+        Picture(
+            drawing=("panel.drawing",), stale=("stale",), reason=("index == 0 ? reason : ''",), dark=("dark",), **events
+        )
+
+
+def _trace(page: Page) -> None:
+    """Choice of slider and quantity, and the trace."""
+    sliders = [
+        {"title": own.label, "value": own.key} for own in page.subject.controls if own.choices is None and not own.text
+    ]
+    quantities = [{"title": own.title, "value": name} for name, (own, _) in TRACED.items()]
+    with html.Div(v_if="view_trace", classes="wr-view wr-trace"):
+        with html.Div(classes="wr-row"):
+            for name, items, label in (("trace_of", quantities, "quantity"), ("trace_key", sliders, "along")):
+                v.VSelect(
+                    v_model=(name,),
+                    items=(repr(items),),
+                    label=label,
+                    density="compact",
+                    hide_details=True,
+                    variant="underlined",
+                )
+        _pictures("tracing", "trace", pick=(page.follow, "[$event]"))
+
+
+def _requested(page: Page) -> None:
+    """Views that take seconds, each with its button."""
+    for name in ("stress", "bodies"):
+        with html.Div(v_if=f"view_{name}", classes=f"wr-view wr-{name}"):
+            v.VBtn(
+                f"compute: {BESIDE[name]}",
+                click=(page.request, f"['{name}']"),
+                size="small",
+                disabled=("!!busy || stale",),
+                classes=f"wr-request-{name}",
+            )
+            html.Span(
+                "not of the present place", v_if=f"requested_stale && requested.{name}.length", classes="text-caption"
+            )
+            if name == "stress":
+                with html.Div(v_for="(panel, index) in requested.stress", key="index"):
+                    Picture(drawing=("panel.drawing",), stale=("requested_stale",), dark=("dark",))
+            else:
+                with html.Div(v_for="(view, index) in requested.bodies", key="index"):
+                    html.Div("{{ view[0] }}", classes="text-caption")
+                    html.Iframe(srcdoc=("view[1]",), raw_attrs=['sandbox="allow-scripts"'])
