@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from wheelrail.api.solution import Solution
     from wheelrail.api.studies import Study, study
     from wheelrail.api.wheelset import Wheelset
+    from wheelrail.explorer.start import explore
     from wheelrail.scenes.schema.errors import SceneError
 
 # Name: the module that it is taken from when it is first asked for, so that importing the package costs nothing.
@@ -39,6 +40,7 @@ _HOMES = {
     "Wheelset": "wheelrail.api.wheelset",
     "WheelsetElement": "wheelrail.api.elements.wheelset_element",
     "contact_geometry": "wheelrail.api.contact_geometry",
+    "explore": "wheelrail.explorer.start",
     "load": "wheelrail.api.files",
     "open": "wheelrail.api.files",
     "plot_convergence": "wheelrail.api.figures",
@@ -59,6 +61,7 @@ __all__ = [
     "Wheelset",
     "WheelsetElement",
     "contact_geometry",
+    "explore",
     "load",
     "open",
     "plot_convergence",

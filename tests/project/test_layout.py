@@ -115,7 +115,9 @@ MAY_IMPORT["export"] |= {"bindings", "contact.models.lattice", "contact.models.s
 MAY_IMPORT["api"] = _BELOW | {"api.elements", "scenes", *(f"scenes.{name}" for name in _SCENES)}
 _OF_CONTACT = {f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")}
 MAY_IMPORT["api.elements"] = _OF_CONTACT | {"scenes.schema", "support"}
-MAY_IMPORT[""] = {"api", "api.elements", "scenes.schema", "support"}
+MAY_IMPORT["explorer"] = MAY_IMPORT["api"] | {"api"}
+MAY_IMPORT["cli"] |= {"explorer"}
+MAY_IMPORT[""] = {"api", "api.elements", "explorer", "scenes.schema", "support"}
 
 ELEMENTS = {"dolfinx", "ufl", "basix", "ffcx", "petsc4py", "mpi4py"}
 HEAVY = ELEMENTS | {"gmsh", "pyvista", "xarray", "matplotlib", "netCDF4"}

@@ -6,7 +6,7 @@ import logging
 from collections import OrderedDict
 from collections.abc import Sequence
 from multiprocessing.connection import Connection
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from wheelrail.support.worker_process import single_thread
 
@@ -27,9 +27,10 @@ GEOMETRY = ("wheel", "rail", "laying_angle", "gauge", "gauge_height", "flange_ba
 class Kept:
     """What a worker process keeps from one job to the next."""
 
-    contacts: OrderedDict[str, Wheelset | Hertz] = OrderedDict()
-    geometries: OrderedDict[str, Dataset] = OrderedDict()
-    profiles: dict[str, Profile] = {}
+    contacts: ClassVar[OrderedDict[str, Wheelset | Hertz]] = OrderedDict()
+    geometries: ClassVar[OrderedDict[str, Dataset]] = OrderedDict()
+    profiles: ClassVar[dict[str, Profile]] = {}
+    animations: ClassVar[dict[str, Any]] = {}  # of runs, by file
 
 
 class Messages(logging.Handler):
@@ -126,9 +127,10 @@ def trace(calls: Calls, quantity: str) -> dict[str, float]:
 def geometry(calls: Calls) -> list[dict[str, Any]]:
     """Pictures of the contact geometry, with the present place."""
     from wheelrail.api.contact_geometry import contact_geometry
+    from wheelrail.explorer.subject import with_profiles
     from wheelrail.explorer.views import geometry_panels
 
-    own = {key: value for key, value in _with_profiles(calls.contact).items() if key in GEOMETRY}
+    own = {key: value for key, value in with_profiles(calls.contact, Kept.profiles).items() if key in GEOMETRY}
     own |= {side: {"radius": calls.contact[side]["radius"]} for side in ("left", "right") if side in calls.contact}
     key = repr({name: getattr(value, "digest", lambda value=value: value)() for name, value in own.items()})
     if key not in Kept.geometries:
@@ -138,20 +140,13 @@ def geometry(calls: Calls) -> list[dict[str, Any]]:
 
 
 def _solution(calls: Calls) -> Solution:
-    from wheelrail.explorer.subject import CLASSES
+    from wheelrail.explorer.subject import CLASSES, with_profiles
 
     if calls.key not in Kept.contacts:
-        Kept.contacts[calls.key] = CLASSES[calls.kind](**_with_profiles(calls.contact))
+        Kept.contacts[calls.key] = CLASSES[calls.kind](**with_profiles(calls.contact, Kept.profiles))
         _forget(Kept.contacts)
     Kept.contacts.move_to_end(calls.key)
     return Kept.contacts[calls.key].solve(**calls.solve)
-
-
-def _with_profiles(arguments: dict[str, Any]) -> dict[str, Any]:
-    """Arguments with profiles in place of the names of those that are known here."""
-    return {
-        key: Kept.profiles.get(value, value) if key in ("wheel", "rail") else value for key, value in arguments.items()
-    }
 
 
 def _forget(kept: OrderedDict[str, Any]) -> None:
@@ -174,3 +169,27 @@ def _described(solution: Solution, drawn: Sequence[Panel]) -> dict[str, Any]:
         "seconds": float(data["contact_seconds"].sum()),
         "panels": [panel.plain() for panel in drawn],
     }
+
+
+def frame(file: str, time: float) -> str:
+    """Picture of the vehicle of a run at a time, s, as a data URI.
+
+    Raises SceneError for a file whose vehicle cannot be drawn, ImportError without PyVista.
+    """
+    import base64
+    import io
+
+    from PIL import Image
+
+    if file not in Kept.animations:
+        from pathlib import Path
+
+        from wheelrail.scenes.datasets.run_file import read_run
+        from wheelrail.scenes.views.view import animation
+
+        Kept.animations[file] = animation(read_run(Path(file)), Path(file))
+    drawn = Kept.animations[file]
+    drawn.show(time)
+    image = io.BytesIO()
+    Image.fromarray(drawn.view.screenshot(return_img=True)).save(image, "jpeg", quality=85)
+    return "data:image/jpeg;base64," + base64.b64encode(image.getvalue()).decode()

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
     from wheelrail.explorer.controls import Control
     from wheelrail.explorer.page import Page
 
-SIDES = {"": "", "left": "left", "right": "right", "contact": ""}
 STYLE = """
-.wr-views { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 380px), 1fr)); gap: 8px; padding: 8px; }
+.wr-views { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 380px), 1fr)); gap: 8px;
+  padding: 8px; }
 .wr-view { min-width: 0; }
 .wr-view iframe { width: 100%; height: 420px; border: 0; }
 .wr-table { font-size: 12px; overflow-x: auto; }
@@ -41,7 +41,7 @@ STYLE = """
 """
 
 
-class Picture(AbstractElement):
+class Picture(AbstractElement):  # type: ignore[misc]
     """Canvas of a drawing, see `browser/drawing.js`."""
 
     def __init__(self, **kwargs: Any) -> None:
@@ -50,7 +50,7 @@ class Picture(AbstractElement):
         self._event_names += ["pick"]
 
 
-class Drop(AbstractElement):
+class Drop(AbstractElement):  # type: ignore[misc]
     """Target of files that are dropped on the page, see `browser/page.js`."""
 
     def __init__(self, **kwargs: Any) -> None:
@@ -85,9 +85,7 @@ def draw_layout(page: Page) -> None:
                 for control in controls:
                     _control(page, control)
                 if group == "profiles":
-                    Drop(
-                        file=(page.drop, "[$event]"), dark="dark = $event", reset=page.reset, largest=("10000000",)
-                    )
+                    Drop(file=(page.drop, "[$event]"), dark="dark = $event", reset=page.reset, largest=("10000000",))
             if page.subject.kind != "wheelset":
                 Drop(v_show="false", dark="dark = $event", reset=page.reset)
             html.Div("views", classes="text-subtitle-2 px-3 pt-3")
@@ -97,16 +95,16 @@ def draw_layout(page: Page) -> None:
                         v_model=(f"view_{name}",), label=text, density="compact", hide_details=True, classes="px-2"
                     )
         with v.VMain():
-            v.VAlert("{{ notice }}", v_if="notice", type="warning", density="compact", closable=True, classes="wr-notice")
+            notice()
             with html.Div(classes="wr-views"):
-                _pictures("panels", view="")
+                pictures("panels")
                 with html.Div(v_if="!stale || table.rows.length", classes="wr-view wr-table"), html.Table():
                     with html.Tr():
                         html.Th("{{ cell }}", v_for="(cell, k) in table.head", key="k")
                     with html.Tr(v_for="(row, r) in table.rows", key="r"):
                         html.Td("{{ cell }}", v_for="(cell, k) in row", key="k")
                 if page.has_view("geometry"):
-                    _pictures("surveyed", "geometry", pick=(page.survey, "[$event]"))
+                    pictures("surveyed", "geometry", pick=(page.survey, "[$event]"))
                 _trace(page)
                 _requested(page)
         with v.VDialog(v_model=("dialog", False), max_width=760), v.VCard():
@@ -122,6 +120,19 @@ def draw_layout(page: Page) -> None:
                 v.VBtn("close", click="dialog = false")
     page.state.setdefault("shown_text", "")
     layout.flush_content()
+
+
+def notice() -> None:
+    """What the page has to say, until it is closed."""
+    v.VAlert(
+        "{{ notice }}",
+        v_if="notice",
+        type="warning",
+        density="compact",
+        closable=True,
+        click_close="notice = ''",
+        classes="wr-notice",
+    )
 
 
 def _control(page: Page, control: Control) -> None:
@@ -175,7 +186,7 @@ def _alternatives(page: Page) -> None:
         )
 
 
-def _pictures(panels: str, view: str, **events: Any) -> None:
+def pictures(panels: str, view: str = "", **events: Any) -> None:
     """Pictures of a list of panels of the state; view: shown only while that one is wanted."""
     wanted = {"v_show": f"view_{view}"} if view else {}
     with html.Div(
@@ -206,7 +217,7 @@ def _trace(page: Page) -> None:
                     hide_details=True,
                     variant="underlined",
                 )
-        _pictures("tracing", "trace", pick=(page.follow, "[$event]"))
+        pictures("tracing", "trace", pick=(page.follow, "[$event]"))
 
 
 def _requested(page: Page) -> None:

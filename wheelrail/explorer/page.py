@@ -54,7 +54,7 @@ class Page:
         self.state.update(
             {
                 **moved,
-                **{f"choices_{c.key}": list(c.choices) for c in self.subject.controls if c.key in ("wheel", "rail") and c.choices},
+                **{f"choices_{own.key}": list(own.choices or ()) for own in self.subject.controls},
                 "panels": [],
                 "tracing": [],
                 "surveyed": [],
@@ -247,4 +247,3 @@ class Page:
 
     def _message(self, text: str) -> None:
         self._job = text
-

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import secrets
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,45 +16,77 @@ if TYPE_CHECKING:
     from wheelrail.explorer.subject import Subject
 
 HOST = "127.0.0.1"
+MESSAGE = 12_000_000  # bytes of one message from a browser, a dropped file included
 BROWSER = Path(__file__).parent / "browser"
 MODULE = {
     "serve": {"wheelrail_browser": str(BROWSER)},
     "scripts": ["wheelrail_browser/drawing.js", "wheelrail_browser/page.js"],
     "vue_use": ["wheelrail_explorer", "wheelrail_page"],
 }
-MISSING = 'explore needs the packages of the extra "view": pip install "wheelrail[view]"'
 
 
-def serve(subject: Subject, port: int = 0, ready: Callable[[str], None] = print) -> None:
-    """Serve the page of a subject until Ctrl-C, or until `stop_with` says so.
+class Served:
+    """A page that is served.
 
     Parameters:
-        subject: contact to explore.
-        port: to listen on; a free one by default.
-        ready: called with the address, which has the token.
-
-    Raises ImportError in one line where the packages are missing, OSError for a port that is taken.
+        server: of trame, running.
+        page: of a contact or of a run.
+        token: without which no browser is answered.
     """
-    try:
-        from trame_server.core import Server
 
-        from wheelrail.explorer.page import Page
-    except ImportError as error:
-        raise ImportError(f"{MISSING} ({error.name} is missing)") from None
+    def __init__(self, server: Any, page: Any, token: str) -> None:
+        self.server, self.page = server, page
+        self.url = f"http://{HOST}:{server.port}/index.html?secret={token}"
+        self._loop = asyncio.get_running_loop()
+
+    def calls(self) -> Any:
+        """Arguments of the contact on the page and its profiles by name; None without."""
+        calls = getattr(self.page, "calls", None)
+        return None if calls is None else (calls, dict(self.page.subject.given))
+
+    def stop(self) -> None:
+        """End the server, from any thread."""
+        asyncio.run_coroutine_threadsafe(self.server.stop(), self._loop)
+
+
+def check_packages() -> None:
+    """Raises ImportError in one line where the packages of the extra "view" are missing."""
+    missing = [name for name in ("trame", "trame_vuetify") if find_spec(name) is None]
+    if missing:
+        raise ImportError(f'explore needs {" and ".join(missing)}: pip install "wheelrail[view]"')
+
+
+def serve(what: Subject | Path, port: int, ready: Callable[[Served], None]) -> None:
+    """Serve the page of a contact, or of the results of a run, until Ctrl-C or `Served.stop`.
+
+    Parameters:
+        what: contact, or file of a run.
+        port: to listen on; 0: a free one.
+        ready: called when the page can be opened.
+
+    Raises OSError for a port that is taken, ImportError, SceneError for a file without a run.
+    """
+    check_packages()
+    from trame_server.core import Server
+
     server = Server("wheelrail")
     token = secrets.token_urlsafe(24)
     server.client_type = "vue3"
     server.enable_module(MODULE)
+    server.options["ws_max_msg_size"] = MESSAGE
     server.cli.set_defaults(host=HOST, authKey=token, timeout=0)
-    page = Page(server, subject)
-    server.controller.on_server_ready.add(
-        lambda **_: ready(f"http://{HOST}:{server.port}/index.html?secret={token}")
-    )
+    if isinstance(what, Path):
+        from wheelrail.explorer.player import Player
+
+        page: Any = Player(server, what)
+    else:
+        from wheelrail.explorer.page import Page
+
+        page = Page(server, what)
+    server.controller.on_server_ready.add(lambda **_: ready(Served(server, page, token)))
     try:
         with _alone():
-            server.start(
-                port=port, open_browser=False, show_connection_info=False, disable_logging=True, host=HOST, timeout=0
-            )
+            server.start(port=port, open_browser=False, show_connection_info=False, disable_logging=True, host=HOST)
     finally:
         page.close()
 
@@ -67,5 +101,3 @@ def _alone() -> Iterator[None]:
         yield
     finally:
         sys.argv = argv
-
-

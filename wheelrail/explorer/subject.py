@@ -14,7 +14,6 @@ from wheelrail.api.hertz import Hertz
 from wheelrail.api.wheelset import SECTIONS, Wheelset, usual_inclination
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.explorer.controls import ALTERNATIVES, HERTZ, WHEELSET, Control
-from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import ELEMENTS
 from wheelrail.scenes.schema.wheelset_defaults import LOAD, SCENE, SPEED, TRACK
 from wheelrail.scenes.schema.wheelset_defaults import WHEELSET as POSITION
@@ -23,7 +22,8 @@ if TYPE_CHECKING:
     from wheelrail.meshes.profiles.profile import Profile
 
 CLASSES: dict[str, type[Wheelset] | type[Hertz]] = {"wheelset": Wheelset, "hertz": Hertz}
-ABSENT: dict[str, Any] = {**SCENE, **TRACK, **POSITION, "speed": SPEED, "model": "condensed", "error_estimate": False, "z": 0.0}
+ABSENT: dict[str, Any] = {**SCENE, **TRACK, **POSITION, "speed": SPEED, "model": "condensed", "z": 0.0}
+ABSENT |= {"error_estimate": False}
 ABSENT |= {"falling.share": 1.0, "falling.rate": 0.5, "pitch_rate": 0.0, "y_rate": 0.0, "yaw_rate": 0.0}
 ABSENT |= {"wheel_load": LOAD, "axle_load": 2 * LOAD, "right.radius": 0.0, "approach": 5e-5, "load": 1e4}
 ABSENT |= {f"creepage.{k}": 0.0 for k in range(3)} | {f"shift.{k}": 0.0 for k in range(2)}
@@ -88,9 +88,7 @@ class Subject:
             kept = [control for control in kept if control.group != "friction"]  # a law with constants of its own
         for body in ("wheel", "rail"):
             names = {name: name for name, profile in self.given.items() if profile.kind == body}
-            kept = [
-                replace(own, choices={**(own.choices or {}), **names}) if own.key == body else own for own in kept
-            ]
+            kept = [replace(own, choices={**(own.choices or {}), **names}) if own.key == body else own for own in kept]
         return tuple(control.around(self._value(control)) for control in kept)
 
     @cached_property
@@ -137,9 +135,10 @@ class Subject:
 
     def python(self, calls: Calls) -> str:
         """Python text that solves the same contact."""
-        lines, names = ["import wheelrail as wr", ""], {}
+        lines = ["import wheelrail as wr", ""]
+        names: dict[str, str] = {}
         for body in ("wheel", "rail"):
-            name = calls.contact.get(body)
+            name = str(calls.contact.get(body))
             if name in self.given:
                 names[name] = body
                 source = f'wr.profile("{self.files[name]}", "{body}")' if name in self.files else "..."
@@ -258,16 +257,13 @@ def _text(value: Any, names: Mapping[str, str]) -> str:
     return 'float("inf")' if value == float("inf") else repr(value)
 
 
-def subject_of(what: Any) -> Subject:
-    """Subject of a contact, or of a scene file; raises SceneError for anything else."""
-    from pathlib import Path
-
-    from wheelrail.api.files import load
-
-    if isinstance(what, Wheelset | Hertz):
-        return Subject.of(what)
-    if what is None:
-        return Subject.of(Wheelset())
-    if isinstance(what, str | Path):
-        return Subject.of(load(what))
-    raise SceneError(f"explore: {what!r}: must be a Hertz, a Wheelset, a scene file or results of a run")
+def with_profiles(arguments: Mapping[str, Any], profiles: Mapping[str, Profile]) -> dict[str, Any]:
+    """Arguments with profiles in place of their names, in the tables of the sides, too."""
+    return {
+        key: profiles[value]
+        if key in ("wheel", "rail") and value in profiles
+        else with_profiles(value, profiles)
+        if key in ("left", "right")
+        else value
+        for key, value in arguments.items()
+    }

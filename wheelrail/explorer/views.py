@@ -259,5 +259,3 @@ def stress_panels(data: Dataset) -> list[Panel]:
             Panel("stress", side, Drawing(title(data, side, patch), mises.caption, "depth, negative [mm]", lines))
         )
     return drawn
-
-

@@ -215,16 +215,27 @@ def animate_data(
 
     Raises SceneError if files of the scene are missing, ValueError for options that are not allowed.
     """
-    from wheelrail.scenes.views.animation import Animation, check_options, write_frames
+    from wheelrail.scenes.views.animation import check_options, write_frames
 
     check_options(out, frames, fps, 1.0 if scale is None else scale)
-    options = {} if scale is None else {"scale": scale}
-    if is_of_wagon(data):
-        drawn: Animated = Animation(data, bodies_of_run(data, file), str(data["wheelset"].values[0]), **options)
-    else:
-        drawn = whole_vehicle(data, file, **options)
+    drawn = animation(data, file, **({} if scale is None else {"scale": scale}))
     first, last = data["time"].values[[0, -1]].tolist()
     write_frames(drawn, out, np.linspace(first, last, frames).tolist(), fps, progress)
+
+
+def animation(data: Dataset, file: Path, **options: float) -> Animated:
+    """Picture of a run at any time: of the plane wagon its wheelset, of another vehicle all bodies.
+
+    Parameters:
+        data: Dataset of the run.
+        file: results, as for `bodies_of_run`.
+        options: scale, the displacement magnification factor.
+    """
+    from wheelrail.scenes.views.animation import Animation
+
+    if is_of_wagon(data):
+        return Animation(data, bodies_of_run(data, file), str(data["wheelset"].values[0]), **options)
+    return whole_vehicle(data, file, **options)
 
 
 def whole_vehicle(data: Dataset, file: Path, **options: float) -> VehicleAnimation:
