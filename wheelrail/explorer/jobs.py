@@ -53,6 +53,7 @@ def prepare(messages: Connection) -> None:
     logger = logging.getLogger(LOGGER)
     logger.addHandler(Messages(messages))
     logger.setLevel(logging.INFO)
+    logger.propagate = False
 
 
 def keep_profiles(profiles: dict[str, Profile]) -> None:

@@ -19,14 +19,13 @@ if TYPE_CHECKING:
     from wheelrail.explorer.page import Page
 
 STYLE = """
-.wr-views { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 380px), 1fr)); gap: 8px;
-  padding: 8px; }
-.wr-view { min-width: 0; }
+.wr-views { columns: 380px; column-gap: 8px; padding: 8px; }
+.wr-view { min-width: 0; break-inside: avoid; margin-bottom: 8px; }
 .wr-view iframe { width: 100%; height: 420px; border: 0; }
 .wr-table { font-size: 12px; overflow-x: auto; }
 .wr-table td, .wr-table th { padding: 1px 8px; white-space: nowrap; text-align: left; font-weight: normal; }
 .wr-table td + td, .wr-table th + th { text-align: right; font-variant-numeric: tabular-nums; }
-.wr-control { padding: 0 12px; } .wr-control .v-field__input { font-size: 13px; }
+.wr-control { padding: 0 12px; } .wr-control .v-select { padding-top: 12px; } .wr-control .v-field__input { font-size: 13px; }
 .wr-label { font-size: 12px; padding-top: 6px; }
 .wr-row { display: flex; align-items: center; gap: 8px; }
 .wr-row .v-slider { flex: 1; } .wr-number { width: 84px; flex: none; }
@@ -98,15 +97,15 @@ def draw_layout(page: Page) -> None:
             notice()
             with html.Div(classes="wr-views"):
                 pictures("panels")
-                with html.Div(v_if="!stale || table.rows.length", classes="wr-view wr-table"), html.Table():
-                    with html.Tr():
-                        html.Th("{{ cell }}", v_for="(cell, k) in table.head", key="k")
-                    with html.Tr(v_for="(row, r) in table.rows", key="r"):
-                        html.Td("{{ cell }}", v_for="(cell, k) in row", key="k")
                 if page.has_view("geometry"):
                     pictures("surveyed", "geometry", pick=(page.survey, "[$event]"))
                 _trace(page)
                 _requested(page)
+            with html.Div(v_if="!stale || table.rows.length", classes="px-2 wr-table"), html.Table():
+                with html.Tr():
+                    html.Th("{{ cell }}", v_for="(cell, k) in table.head", key="k")
+                with html.Tr(v_for="(row, r) in table.rows", key="r"):
+                    html.Td("{{ cell }}", v_for="(cell, k) in row", key="k")
         with v.VDialog(v_model=("dialog", False), max_width=760), v.VCard():
             with v.VCardText():
                 html.Div("{{ shown_text }}", classes="wr-code")

@@ -113,7 +113,7 @@ def patch_panels(data: Dataset, sample: int) -> list[Panel]:
                 quantity = RUN["patch_normal_force"]
                 label = f"{quantity.texts([force])} {quantity.shown}"
                 lines.append(Line(1e3 * np.column_stack(ellipse), SERIES[patch % len(SERIES)]["color"], label))
-            middle = 35.0
+            middle = 42.0
             drawing = Drawing(
                 f"{wheelset}, {side} wheel{'' if lines else ': no contact'}",
                 "longitudinal, positive forward [mm]",

@@ -56,6 +56,11 @@ class Explorer:
         own, profiles = found
         return CLASSES[own.kind](**with_profiles(own.contact, profiles)).solve(**own.solve)
 
+    @property
+    def pid(self) -> int:
+        """Number of the process that serves the page."""
+        return self._process.pid
+
     def close(self) -> None:
         """End the page and its processes."""
         self._end()

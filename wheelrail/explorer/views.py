@@ -36,7 +36,7 @@ BESIDE = {
     "bodies": "deformed bodies in 3D",
 }
 BOUND, PRESENT = "0.45", "#D55E00"
-NEAR = 4e-3  # m around the contacts, shown in the magnified view
+NEAR = 12.0  # mm around the contacts, shown in the magnified view
 DEPTHS = tuple(np.round(np.geomspace(0.2e-3, 20e-3, 24), 6).tolist())  # m, of the stress
 Traced = tuple[Quantity, Callable[[SideValues], float]]
 _SUMS = ("patch_normal_force", "patch_longitudinal_force", "patch_lateral_force", "patch_area", "patch_stick_area")
@@ -95,17 +95,23 @@ def _profiles(data: Dataset) -> Iterator[Panel]:
 
 
 def _closeups(data: Dataset) -> Iterator[Panel]:
+    """The same around the contacts, heights magnified as far as the curves there allow."""
     for panel in _profiles(data):
-        marks = [layer for layer in panel.drawing.layers if isinstance(layer, Line) and layer.width == 0.0]
+        lines = [layer for layer in panel.drawing.layers if isinstance(layer, Line)]
+        marks = [line.points for line in lines if line.width == 0.0]
         if not marks:
             continue
-        points = np.concatenate([mark.points for mark in marks])
-        low, high = points.min(axis=0) - 1e3 * NEAR, points.max(axis=0) + 1e3 * NEAR
+        x = np.concatenate(marks)[:, 0]
+        low, high = float(x.min()) - NEAR, float(x.max()) + NEAR
+        curves = np.concatenate([line.points for line in lines])
+        height = curves[(curves[:, 0] > low) & (curves[:, 0] < high), 1]
+        margin = 0.05 * np.ptp(height)
         near = replace(
             panel.drawing,
-            title=f"{panel.drawing.title}, magnified",
-            x_limits=(float(low[0]), float(high[0])),
-            y_limits=(float(low[1]), float(high[1])),
+            title=f"{panel.drawing.title}, heights magnified",
+            equal=False,
+            x_limits=(low, high),
+            y_limits=(float(height.min() - margin), float(height.max() + margin)),
         )
         yield Panel("closeup", panel.side, near)
 

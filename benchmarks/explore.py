@@ -1,0 +1,114 @@
+"""From a move on the explorer's page to its new picture, in headless Chromium, and what an idle page costs.
+
+    python -m benchmarks.explore [--quick] [--json FILE]
+
+S1002 on 60E1, 8 x 10 strips and cells, all first views, one wheel and both; needs Chromium.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from statistics import median, quantiles
+from time import sleep
+from typing import Any
+
+import wheelrail as wr
+from benchmarks.common.browser import Tab, browser
+from benchmarks.common.machine import machine_description
+
+MOVES, IDLE = 200, 10.0  # moves of the slider; s of an idle page
+TARGETS = {"left wheel": 60.0, "both wheels": 100.0}  # ms
+# One promise for all moves: the protocol of the browser is not in the times.
+MOVE = """
+(async count => {
+  const state = window.trame.state, times = [];
+  const drawn = () => [...document.querySelectorAll('.wr-pressure canvas')].map(own => own.dataset.drawn).join();
+  const turn = () => new Promise(done => {
+    const channel = new MessageChannel(); channel.port1.onmessage = done; channel.port2.postMessage(0); });
+  for (let k = 0; k < count; k++) {
+    const before = drawn(), solved = state.get('solved'), start = performance.now();
+    state.set('at_y', Math.round(1e3 * (0.05 * (k % 120) - 3.0 + (k >= 120 ? 0.025 : 0))) / 1e3);
+    while (drawn() === before || state.get('solved') === solved) await turn();
+    times.push(performance.now() - start);
+    await new Promise(done => setTimeout(done, 50));
+  }
+  return times;
+})
+"""
+READY = "window.trame.state.get('solved') > 0 && !window.trame.state.get('stale') && !window.trame.state.get('busy')"
+
+
+@contextmanager
+def opened(what: Any = None, size: tuple[int, int] = (1600, 1000), **options: Any) -> Iterator[tuple[Any, Tab]]:
+    """Explorer and a tab of the browser that shows its page.
+
+    Parameters:
+        what, options: of `wheelrail.explore`.
+        size: of the window, pixels.
+    """
+    explorer = wr.explore(what, **options)
+    try:
+        with browser() as running:
+            tab = running.tab()
+            tab.size(*size)
+            tab.open(explorer.url)
+            tab.wait("document.querySelectorAll('canvas').length > 0")
+            yield explorer, tab
+    finally:
+        explorer.close()
+
+
+def times(tab: Tab, wheels: str, moves: int) -> list[float]:
+    """Times ms from a move to the picture of the pressure."""
+    tab.value(f"window.trame.state.set('at_sides', {wheels!r})")
+    sleep(1.0)
+    tab.wait(READY)
+    found = []
+    for first in range(0, moves, 25):  # shorter than the patience of the protocol
+        found += tab.value(f"({MOVE})({min(25, moves - first)})")
+    return found
+
+
+def processor_seconds(pids: list[int]) -> float:
+    """Processor time s of processes."""
+    import psutil
+
+    return sum(sum(psutil.Process(pid).cpu_times()[:2]) for pid in pids)
+
+
+def measured(moves: int = MOVES, idle: float = IDLE) -> dict[str, Any]:
+    """Times by wheels, ms, and the share of a processor of an idle page."""
+    import psutil
+
+    contact = wr.Wheelset(wheel="S1002", rail="60E1", friction=0.3, strips=8, cells=10)
+    with opened(contact) as (explorer, tab):
+        tab.wait(READY)
+        found: dict[str, Any] = {wheels: times(tab, wheels, moves) for wheels in TARGETS}
+        sleep(1.0)
+        pids = [explorer.pid, *(child.pid for child in psutil.Process(explorer.pid).children(recursive=True))]
+        before = processor_seconds(pids)
+        sleep(idle)
+        return {**found, "idle": (processor_seconds(pids) - before) / idle, "errors": tab.errors}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="25 moves")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all times to a file")
+    given = parser.parse_args()
+    found = measured(25 if given.quick else MOVES)
+    print(f"{machine_description()}\n\n| wheels | median, ms | 90 % | worst | target |\n|---|---|---|---|---|")
+    for wheels, target in TARGETS.items():
+        own = found[wheels]
+        print(f"| {wheels} | {median(own):.0f} | {quantiles(own, n=10)[-1]:.0f} | {max(own):.0f} | {target:.0f} |")
+    print(f"\nIdle: {100 * found['idle']:.2f} % of a processor. Errors of the page: {found['errors'] or 'none'}.")
+    if given.json is not None:
+        given.json.write_text(json.dumps(found))
+
+
+if __name__ == "__main__":
+    main()

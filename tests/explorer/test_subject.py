@@ -1,0 +1,134 @@
+"""Values of the explorer's page as calls, Python text and scene files: all solve the very same contact."""
+
+from __future__ import annotations
+
+import random
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import wheelrail as wr
+from wheelrail.explorer.controls import HERTZ, WHEELSET, Control
+from wheelrail.explorer.subject import CHOSEN, CLASSES, Subject
+from wheelrail.scenes.contacts.solve import solve_contact
+from wheelrail.scenes.schema.scene import RunScene, load_scene
+
+SCENES = Path(wr.__file__).parents[1] / "scenes"
+CONTACTS: dict[str, Any] = {
+    "wheelset": lambda: wr.Wheelset(friction=0.3, strips=6, cells=8, y=1.2e-3),
+    "radii": lambda: wr.Wheelset(model="standard", right={"radius": 0.4595}, wheel_load=5.5e4, roll="solve", y=1e-3),
+    "hertz": lambda: wr.Hertz((0.5, float("inf")), load=2e4, strips=6, cells=8, creepage=(1e-3, 0.0, 0.1)),
+    "shift": lambda: wr.Hertz(approach=4e-5, shift=(3e-6, 0.0), strips=6, cells=8),
+}
+
+
+def values_of(data: Any) -> dict[str, Any]:
+    """Fields and forces of a solution."""
+    return {name: data[name].values for name in ("pressure", "traction", "longitudinal_force", "vertical_force")}
+
+
+def same(first: dict[str, Any], second: dict[str, Any]) -> bool:
+    return all(np.array_equal(first[name], second[name], equal_nan=True) for name in first)
+
+
+def moved(subject: Subject, seed: int) -> dict[str, Any]:
+    """Random values of the sliders near those at first, as a user moves them, some left alone."""
+    chance = random.Random(seed)
+    values: dict[str, Any] = {}
+    for control in subject.controls:
+        now = subject.initial[control.name]
+        if control.choices is not None or control.text or chance.random() < 0.4 or control.step == 1.0:
+            continue
+        if control.key.split(".")[0] in ("radius", "right", "load", "approach", "wheel_load", "axle_load", "shift"):
+            continue
+        value = float(f"{now + chance.choice((-2, -1, 1, 2)) * control.step:.9g}")
+        values[control.name] = min(max(value, control.low), control.high)
+    return values
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+def test_values_at_first_are_the_contact_itself(name: str) -> None:
+    contact = CONTACTS[name]()
+    subject = Subject.of(contact)
+    calls = subject.calls({})
+    assert same(
+        values_of(contact.solve().data), values_of(CLASSES[calls.kind](**calls.contact).solve(**calls.solve).data)
+    )
+
+
+@pytest.mark.parametrize("name", CONTACTS)
+@pytest.mark.parametrize("seed", [1, 2])
+def test_python_text_and_scene_file_give_what_is_seen(name: str, seed: int, tmp_path: Path) -> None:
+    subject = Subject.of(CONTACTS[name]())
+    calls = subject.calls(moved(subject, seed))
+    shown = values_of(CLASSES[calls.kind](**calls.contact).solve(**calls.solve).data)
+    space: dict[str, Any] = {}
+    exec(subject.python(calls), space)  # as a user pastes it
+    assert same(shown, values_of(space["solution"].data))
+    file = tmp_path / "seen.toml"
+    file.write_text(subject.scene(calls))
+    scene = load_scene(file)
+    assert not isinstance(scene, RunScene)
+    assert same(shown, values_of(solve_contact(scene)))
+
+
+def test_moved_values_arrive_in_si_units() -> None:
+    subject = Subject.of(wr.Wheelset(speed=20.0))
+    calls = subject.calls({"at_y": -1.25, "at_pitch_rate": 0.2, "at_right_radius": -0.35, CHOSEN: "axle_load"})
+    assert calls.solve["y"] == -1.25e-3
+    assert calls.solve["pitch_rate"] == 20.0 / 0.46 + 0.2
+    assert calls.contact["right"] == {"radius": 0.46 - 0.35e-3}
+    assert calls.solve["axle_load"] == 114e3
+    assert "wheel_load" not in calls.solve
+    assert (
+        subject.calls({"at_right_radius": 0.0, "at_falling_share": 1.0}).contact.keys().isdisjoint({"right", "falling"})
+    )
+
+
+def test_other_rails_have_their_own_inclination() -> None:
+    subject = Subject.of(wr.Wheelset())
+    assert "laying_angle" not in subject.calls({"at_rail": "UIC60-benchmark"}).contact
+    assert subject.calls({"at_laying_angle": "1:20"}).contact["laying_angle"] == 0.05
+
+
+def test_standard_model_takes_no_elements() -> None:
+    subject = Subject.of(wr.Wheelset(strips=8, cells=10, surface_size=1e-3))
+    calls = subject.calls({"at_model": "standard (no elements)", "at_error_estimate": "yes"})
+    assert wr.Wheelset(**calls.contact).solve(**calls.solve).ok
+    assert tomllib.loads(subject.scene(calls)).keys().isdisjoint({"strips", "cells", "surface_size"})
+
+
+@pytest.mark.parametrize("control", [*WHEELSET, *HERTZ], ids=lambda own: own.key)
+def test_values_come_back_exactly(control: Control) -> None:
+    if control.choices is not None:
+        assert [control.shown(control.argument(text)) for text in control.choices] == list(control.choices)
+        return
+    for count in range(50):
+        shown = float(f"{control.low + count * control.step:.9g}")
+        assert float(control.shown(control.argument(shown))) == shown
+
+
+def test_texts_that_are_no_numbers_are_named() -> None:
+    subject = Subject.of(wr.Hertz(load=1e4))
+    with pytest.raises(ValueError, match="upper radius in x = 'wide': must be a number"):
+        subject.calls({"at_upper_radii_0": "wide"})
+    assert subject.calls({"at_upper_radii_0": "straight"}).contact["upper"]["radii"][0] == float("inf")
+
+
+def test_dropped_profile_is_a_file_in_the_texts() -> None:
+    subject, name = Subject.of(wr.Wheelset()).with_profile(wr.profile("S1002"), "worn.prw")
+    calls = subject.calls({"at_wheel": name})
+    assert 'wheel = wr.profile("worn.prw", "wheel")' in subject.python(calls)
+    assert "contact = wr.Wheelset(wheel=wheel)" in subject.python(calls)
+    assert tomllib.loads(subject.scene(calls))["profiles"]["wheel"] == "worn.prw"
+
+
+@pytest.mark.parametrize("scene", ["hertz", "wheelset"])
+def test_example_scenes_are_explored_as_they_are(scene: str) -> None:
+    contact = wr.load(SCENES / f"{scene}.toml")
+    calls = Subject.of(contact).calls({})
+    given = {key: value for key, value in contact.arguments.items() if value is not None and key != "laying_angle"}
+    assert {**calls.contact, **calls.solve} == given
