@@ -25,7 +25,8 @@ STYLE = """
 .wr-table { font-size: 12px; overflow-x: auto; }
 .wr-table td, .wr-table th { padding: 1px 8px; white-space: nowrap; text-align: left; font-weight: normal; }
 .wr-table td + td, .wr-table th + th { text-align: right; font-variant-numeric: tabular-nums; }
-.wr-control { padding: 0 12px; } .wr-control .v-select { padding-top: 12px; } .wr-control .v-field__input { font-size: 13px; }
+.wr-control { padding: 0 12px; } .wr-control .v-select { padding-top: 12px; }
+.wr-control .v-field__input { font-size: 13px; }
 .wr-label { font-size: 12px; padding-top: 6px; }
 .wr-row { display: flex; align-items: center; gap: 8px; }
 .wr-row .v-slider { flex: 1; } .wr-number { width: 84px; flex: none; }

@@ -90,7 +90,8 @@ def thinned(own: Array) -> NDArray[np.intp]:
         return np.arange(len(own))
     parts = np.array_split(np.arange(len(own)), MOST // 2)
     filled = np.nan_to_num(own, nan=0.0)
-    return np.asarray(np.unique(np.array([part[pick(filled[part])] for part in parts for pick in (np.argmin, np.argmax)])))
+    ends = np.array([part[pick(filled[part])] for part in parts for pick in (np.argmin, np.argmax)])
+    return np.asarray(np.unique(ends))
 
 
 def patch_panels(data: Dataset, sample: int) -> list[Panel]:

@@ -11,7 +11,7 @@ import numpy as np
 from wheelrail.scenes.contacts.side_values import SideValues
 from wheelrail.scenes.plots.drawing import Drawing, Line
 from wheelrail.scenes.plots.patch_cells import title, touching
-from wheelrail.scenes.plots.patches import patch_drawing, traction_drawing
+from wheelrail.scenes.plots.patches import pressure_drawing, traction_drawing
 from wheelrail.scenes.plots.profiles import profiles_drawing
 from wheelrail.scenes.plots.style import SERIES, SIDES
 from wheelrail.scenes.quantities import CONTACT, SOLUTION
@@ -118,7 +118,7 @@ def _closeups(data: Dataset) -> Iterator[Panel]:
 
 def _pressure(data: Dataset) -> Iterator[Panel]:
     for side, patch in touching(data):
-        yield Panel("pressure", side, patch_drawing(data, side, patch))
+        yield Panel("pressure", side, pressure_drawing(data, side, patch, tractions=True))
 
 
 def _slip(data: Dataset) -> Iterator[Panel]:
