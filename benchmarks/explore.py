@@ -25,14 +25,15 @@ TARGETS = {"left wheel": 60.0, "both wheels": 100.0}  # ms
 # One promise for all moves: the protocol of the browser is not in the times.
 MOVE = """
 (async count => {
-  const state = window.trame.state, times = [];
+  const state = window.trame.state, times = [], views = document.querySelector('.wr-views');
   const drawn = () => [...document.querySelectorAll('.wr-pressure canvas')].map(own => own.dataset.drawn).join();
-  const turn = () => new Promise(done => {
-    const channel = new MessageChannel(); channel.port1.onmessage = done; channel.port2.postMessage(0); });
   for (let k = 0; k < count; k++) {
-    const before = drawn(), solved = state.get('solved'), start = performance.now();
-    state.set('at_y', Math.round(1e3 * (0.05 * (k % 120) - 3.0 + (k >= 120 ? 0.025 : 0))) / 1e3);
-    while (drawn() === before || state.get('solved') === solved) await turn();
+    const before = drawn(), start = performance.now();
+    await new Promise(done => {
+      const observer = new MutationObserver(() => { if (drawn() !== before) { observer.disconnect(); done(); } });
+      observer.observe(views, { subtree: true, childList: true, attributeFilter: ['data-drawn'] });
+      state.set('at_y', Math.round(1e3 * (0.05 * (k % 120) - 3.0 + (k >= 120 ? 0.025 : 0))) / 1e3);
+    });
     times.push(performance.now() - start);
     await new Promise(done => setTimeout(done, 50));
   }

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from wheelrail.explorer.page import Page
 
 STYLE = """
+.v-slider *, .v-slider-thumb, .v-slider-track__fill { transition: none !important; }
 .wr-views { columns: 380px; column-gap: 8px; padding: 8px; }
 .wr-view { min-width: 0; break-inside: avoid; margin-bottom: 8px; }
 .wr-view iframe { width: 100%; height: 420px; border: 0; }
@@ -51,12 +52,25 @@ class Picture(AbstractElement):  # type: ignore[misc]
 
 
 class Drop(AbstractElement):  # type: ignore[misc]
-    """Target of files that are dropped on the page, see `browser/page.js`."""
+    """Target of files that are dropped on the page, its theme and keys, see `browser/page.js`."""
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__("wr-drop", **kwargs)
-        self._attr_names += ["largest"]
+        self._attr_names += ["largest", "picks"]
         self._event_names += ["file", "dark", "reset"]
+
+
+class Pictures(AbstractElement):  # type: ignore[misc]
+    """Pictures of the panels in a variable of the state, see `browser/page.js`."""
+
+    def __init__(self, name: str, **kwargs: Any) -> None:
+        super().__init__("wr-pictures", name=name, picks=("true" if "pick" in kwargs else "false",), **kwargs)
+        self._attr_names += ["name", "picks"]
+        self._event_names += ["pick"]
+
+
+class Follower(AbstractElement):  # type: ignore[misc]
+    """A component of `browser/page.js` without arguments."""
 
 
 def draw_layout(page: Page) -> None:
@@ -65,11 +79,7 @@ def draw_layout(page: Page) -> None:
         Style(STYLE)
         with v.VAppBar(density="compact"):
             v.VAppBarNavIcon(click="drawer = !drawer", aria_label="controls")
-            html.Span(
-                "{{ busy || reason || (status + ', ' + (1e3 * seconds).toFixed(0) + ' ms') }}",
-                classes="wr-status text-body-2",
-                aria_live="polite",
-            )
+            Follower("wr-status")
             v.VProgressCircular(v_if="busy", indeterminate=True, size=18, width=2, classes="ml-2")
             v.VBtn("cancel", v_if="busy", click=page.cancel, size="small", classes="wr-cancel")
             v.VSpacer()
@@ -85,7 +95,7 @@ def draw_layout(page: Page) -> None:
                 for control in controls:
                     _control(page, control)
                 if group == "profiles":
-                    Drop(file=(page.drop, "[$event]"), dark="dark = $event", reset=page.reset, largest=("10000000",))
+                    Drop(file=(page.drop, "[$event]"), dark="dark = $event", reset=page.reset, picks=("true",))
             if page.subject.kind != "wheelset":
                 Drop(v_show="false", dark="dark = $event", reset=page.reset)
             html.Div("views", classes="text-subtitle-2 px-3 pt-3")
@@ -97,16 +107,13 @@ def draw_layout(page: Page) -> None:
         with v.VMain():
             notice()
             with html.Div(classes="wr-views"):
-                pictures("panels")
+                Pictures("panels")
                 if page.has_view("geometry"):
-                    pictures("surveyed", "geometry", pick=(page.survey, "[$event]"))
+                    Pictures("surveyed", v_show="view_geometry", pick=(page.survey, "[$event]"))
                 _trace(page)
                 _requested(page)
-            with html.Div(v_if="!stale || table.rows.length", classes="px-2 wr-table"), html.Table():
-                with html.Tr():
-                    html.Th("{{ cell }}", v_for="(cell, k) in table.head", key="k")
-                with html.Tr(v_for="(row, r) in table.rows", key="r"):
-                    html.Td("{{ cell }}", v_for="(cell, k) in row", key="k")
+            with html.Div(classes="px-2 wr-table"):
+                Follower("wr-table")
         with v.VDialog(v_model=("dialog", False), max_width=760), v.VCard():
             with v.VCardText():
                 html.Div("{{ shown_text }}", classes="wr-code")
@@ -186,20 +193,6 @@ def _alternatives(page: Page) -> None:
         )
 
 
-def pictures(panels: str, view: str = "", **events: Any) -> None:
-    """Pictures of a list of panels of the state; view: shown only while that one is wanted."""
-    wanted = {"v_show": f"view_{view}"} if view else {}
-    with html.Div(
-        v_for=f"(panel, index) in {panels}",
-        key="panel.view + panel.side + index",
-        classes=("['wr-view', 'wr-' + panel.view]",),
-        **wanted,
-    ):
-        Picture(
-            drawing=("panel.drawing",), stale=("stale",), reason=("index == 0 ? reason : ''",), dark=("dark",), **events
-        )
-
-
 def _trace(page: Page) -> None:
     """Choice of slider and quantity, and the trace."""
     sliders = [
@@ -217,7 +210,7 @@ def _trace(page: Page) -> None:
                     hide_details=True,
                     variant="underlined",
                 )
-        pictures("tracing", "trace", pick=(page.follow, "[$event]"))
+        Pictures("tracing", pick=(page.follow, "[$event]"))
 
 
 def _requested(page: Page) -> None:

@@ -18,7 +18,7 @@ from wheelrail.explorer.views import BESIDE, DRAWN
 
 LARGEST = 10_000_000  # bytes of a dropped file
 PAUSE, SHOWN_AFTER = 0.3, 0.4  # s: until work that nobody asked for begins; until a text says that something is solved
-FIRST_VIEWS = ("profiles", "closeup", "pressure", "slip", "forces")
+FIRST_VIEWS = ("closeup", "pressure", "forces")
 ON_REQUEST: dict[str, Callable[..., Any]] = {"stress": jobs.stress, "bodies": jobs.bodies}
 
 

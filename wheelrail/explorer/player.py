@@ -13,7 +13,7 @@ from trame_vuetify.widgets import vuetify3 as v
 
 from wheelrail.explorer import jobs
 from wheelrail.explorer.engine import Cancelled, Latest, Worker
-from wheelrail.explorer.layout import STYLE, Drop, notice, pictures
+from wheelrail.explorer.layout import STYLE, Drop, Pictures, notice
 from wheelrail.explorer.run_views import CURVES, FIRST_CURVES, Curves, largest, patch_panels
 from wheelrail.scenes.datasets.run_file import read_run
 from wheelrail.scenes.quantities import RUN
@@ -172,6 +172,6 @@ class Player:
                 with html.Div(classes="wr-views"):
                     with html.Div(v_if="view_vehicle && picture", classes="wr-view wr-vehicle"):
                         html.Img(src=("picture",), style="width: 100%", alt="vehicle on its track")
-                    pictures("curves")
-                    pictures("patches")
+                    Pictures("curves")
+                    Pictures("patches")
         layout.flush_content()

@@ -1,47 +1,93 @@
-// Files that are dropped on the page, the theme of the system, and keys: one component, which shows two targets.
 "use strict";
-window.wheelrail_page = {
-  install(app) {
-    app.component("wr-drop", {
-      props: { largest: { type: Number, default: 1e7 } },
-      emits: ["file", "dark", "reset"],
-      data: () => ({ over: false }),
-      mounted() {
-        this.$emit("dark", window.matchMedia("(prefers-color-scheme: dark)").matches);
-        this.listeners = {
-          dragover: (event) => { event.preventDefault(); this.over = true; },
-          dragleave: (event) => { if (!event.relatedTarget) this.over = false; },
-          drop: (event) => { event.preventDefault(); this.over = false; },
-          keydown: (event) => {
-            const typing = /INPUT|TEXTAREA/.test(event.target.tagName) && event.target.type !== "range";
-            if (event.key === "r" && !typing && !event.ctrlKey && !event.metaKey) this.$emit("reset");
-          },
-        };
-        for (const [name, listener] of Object.entries(this.listeners)) window.addEventListener(name, listener);
+// Parts of the page that follow variables of the state by themselves: a move then renders them, not the whole page;
+// and files that are dropped, the theme of the system, and keys.
+window.wheelrail_page = (() => {
+  const { h, markRaw } = window.Vue;
+
+  // Component that renders values of the state whenever one of them changes.
+  function following(names, props, emits, render) {
+    return {
+      inject: ["trame"],
+      props,
+      emits,
+      data: () => ({ now: markRaw([]) }),
+      created() {
+        const own = names.map(name => name(this));
+        this.stop = this.trame.state.watch(own, (...values) => { this.now = markRaw(values); });
       },
-      beforeUnmount() {
-        for (const [name, listener] of Object.entries(this.listeners)) window.removeEventListener(name, listener);
-      },
-      methods: {
-        async read(kind, file) {
-          this.over = false;
-          if (!file) return;
-          const content = file.size > this.largest ? null : new Uint8Array(await file.arrayBuffer());
-          this.$emit("file", { name: file.name, size: file.size, kind, content });
+      beforeUnmount() { this.stop(); },
+      render() { return render(this, ...this.now); },
+    };
+  }
+  const variable = name => () => name;
+
+  const pictures = following(
+    [self => self.name, variable("stale"), variable("reason"), variable("dark")],
+    { name: String, picks: Boolean },
+    ["pick"],
+    (self, panels, stale, reason, dark) => h("div", { style: "display: contents" }, (panels ?? []).map((panel, index) =>
+      h("div", { class: ["wr-view", `wr-${panel.view}`], key: `${panel.view} ${panel.side} ${index}` },
+        h(window.Vue.resolveComponent("wr-drawing"), {
+          drawing: panel.drawing,
+          stale,
+          dark,
+          reason: index === 0 ? reason : "",
+          ...(self.picks ? { onPick: at => self.$emit("pick", at) } : {}),
+        })))));
+
+  const table = following([variable("table")], {}, [], (_, shown) => {
+    const row = (cells, tag) => h("tr", cells.map(cell => h(tag, cell)));
+    return h("table", [row(shown?.head ?? [], "th"), ...(shown?.rows ?? []).map(cells => row(cells, "td"))]);
+  });
+
+  const status = following(["busy", "reason", "status", "seconds"].map(variable), {}, [], (_, busy, reason, said, seconds) =>
+    h("span", { class: "wr-status text-body-2", "aria-live": "polite" },
+      busy || reason || (said ? `${said}, ${(1e3 * seconds).toFixed(0)} ms` : "")));
+
+  const drop = {
+    props: { largest: { type: Number, default: 1e7 }, picks: Boolean },
+    emits: ["file", "dark", "reset"],
+    data: () => ({ over: false }),
+    mounted() {
+      this.$emit("dark", window.matchMedia("(prefers-color-scheme: dark)").matches);
+      const typing = ({ tagName, type }) => /INPUT|TEXTAREA/.test(tagName) && type !== "range";
+      this.listeners = {
+        dragover: event => { event.preventDefault(); this.over = this.picks; },
+        dragleave: event => { if (!event.relatedTarget) this.over = false; },
+        drop: event => { event.preventDefault(); this.over = false; },
+        keydown: event => {
+          if (event.key === "r" && !typing(event.target) && !event.ctrlKey && !event.metaKey) this.$emit("reset");
         },
+      };
+      for (const [name, listener] of Object.entries(this.listeners)) window.addEventListener(name, listener);
+    },
+    beforeUnmount() {
+      for (const [name, listener] of Object.entries(this.listeners)) window.removeEventListener(name, listener);
+    },
+    methods: {
+      async read(kind, file) {
+        this.over = false;
+        if (!file) return;
+        const content = file.size > this.largest ? null : new Uint8Array(await file.arrayBuffer());
+        this.$emit("file", { name: file.name, size: file.size, kind, content });
       },
-      template: `
-        <div>
-          <div class="wr-pick">
-            <label v-for="kind in ['wheel', 'rail']" :key="kind">{{ kind }} profile from a file
-              <input type="file" :class="'wr-file-' + kind" @change="read(kind, $event.target.files[0]); $event.target.value = ''">
-            </label>
-          </div>
-          <div v-if="over" class="wr-drop">
-            <div v-for="kind in ['wheel', 'rail']" :key="kind" :class="'wr-target-' + kind"
-                 @dragover.prevent @drop.prevent="read(kind, $event.dataTransfer.files[0])">{{ kind }} profile</div>
-          </div>
-        </div>`,
-    });
-  },
-};
+    },
+    render() {
+      const kinds = this.picks ? ["wheel", "rail"] : [];
+      const picks = kinds.map(kind => h("label", [`${kind} profile from a file`, h("input", {
+        type: "file",
+        class: `wr-file-${kind}`,
+        onChange: ({ target }) => { this.read(kind, target.files[0]); target.value = ""; },
+      })]));
+      const targets = kinds.map(kind => h("div", {
+        class: `wr-target-${kind}`,
+        onDragover: event => event.preventDefault(),
+        onDrop: event => { event.preventDefault(); this.read(kind, event.dataTransfer.files[0]); },
+      }, `${kind} profile`));
+      return h("div", [h("div", { class: "wr-pick" }, picks), this.over && h("div", { class: "wr-drop" }, targets)]);
+    },
+  };
+
+  const components = { "wr-pictures": pictures, "wr-table": table, "wr-status": status, "wr-drop": drop };
+  return { install: app => Object.entries(components).forEach(([name, own]) => app.component(name, own)) };
+})();

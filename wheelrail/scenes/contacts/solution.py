@@ -46,7 +46,6 @@ def solution_dataset(
 
     A choice that the contact model does not have, such as the bodies of the standard model, has no attribute.
     """
-    data = contact_dataset({side: solution.result for side, solution in solved.items()}, _laws(scene, solved))
     shapes = (scene, solved, profiles or {})
     values = {
         **_poses(solved),
@@ -58,10 +57,9 @@ def solution_dataset(
         **unsolved_overlaps(*shapes),
         **stress_values(solved),
     }
-    data = data.assign(filled(SOLUTION, values)).assign(outlines(list(solved), profiles or {}))
     bodies = (scene.upper, scene.lower) if isinstance(scene, HertzScene) else (scene, scene)
     upper, lower = ((body.E, body.nu) for body in bodies)
-    return data.assign_attrs(
+    attributes = dict(
         title="Wheel-rail contact" if profiles else "Contact of a Hertz pair",
         frame="rail frame of each side: x forward, y to the left, z upwards; forces act on the wheel",
         status=_overall({side: solution.result.status for side, solution in solved.items()}),
@@ -78,6 +76,9 @@ def solution_dataset(
         commit=commit(),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
     )
+    results = {side: solution.result for side, solution in solved.items()}
+    variables = filled(SOLUTION, values) | outlines(list(solved), profiles or {})
+    return contact_dataset(results, _laws(scene, solved), variables, attributes)
 
 
 def _laws(scene: HertzScene | WheelsetScene, solved: Iterable[str]) -> dict[str, ContactLaws]:

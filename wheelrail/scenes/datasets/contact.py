@@ -19,7 +19,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.arrays import Array, Mask
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    from xarray import Dataset, Variable
 
     from wheelrail.contact.laws.parameters import ContactLaws
 
@@ -28,12 +28,19 @@ MIRROR_LOCAL = np.array([1.0, -1.0, 1.0])  # mirror image of local components
 ATTRIBUTES: dict[str, type] = {"status": str, "model": str, "contact_modulus": float}
 
 
-def contact_dataset(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws]) -> Dataset:
+def contact_dataset(
+    results: Mapping[str, ContactResult],
+    laws: Mapping[str, ContactLaws],
+    more: Mapping[str, Variable] | None = None,
+    attributes: Mapping[str, Any] | None = None,
+) -> Dataset:
     """Dataset over side, patch (by decreasing load, padded with NaN) and point (of all sides in sequence).
 
     Parameters:
         results: by side: "left" and "right", each in the frame of its rail parallel to the track frame, or "contact".
         laws: of the interface by side, for the stick area.
+        more: further variables.
+        attributes: of the Dataset.
 
     point_side and point_patch are coordinates of the points; point_patch is -1 outside contact. A failed side has a
     status and no force.
@@ -47,15 +54,16 @@ def contact_dataset(results: Mapping[str, ContactResult], laws: Mapping[str, Con
         **_points(results, laws),
     }
     patches = patch_variables([result.patches for result in results.values()], CONTACT, (len(sides),))
-    coordinates = {
+    coordinates: dict[str, Any] = {
         "side": ("side", sides),
         "edge": ("edge", ["low", "high"]),
         "axis": ("axis", ["x", "y", "z"]),
         "direction": ("direction", list(LOCAL)),
         "tangent": ("tangent", list(LOCAL[:2])),
     }
-    data = Dataset(filled(CONTACT, every) | patches, coords=coordinates)
-    return data.set_coords(["point_side", "point_patch"])
+    variables = filled(CONTACT, every) | patches | dict(more or {})
+    coordinates |= {name: variables.pop(name) for name in ("point_side", "point_patch")}
+    return Dataset(variables, coordinates, attributes)
 
 
 def check_contact(data: Dataset, file: Path) -> None:
