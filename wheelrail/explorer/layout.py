@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import groupby
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from trame_client.widgets import html
 from trame_client.widgets.core import AbstractElement
@@ -15,8 +15,10 @@ from wheelrail.explorer.subject import CHOSEN
 from wheelrail.explorer.views import BESIDE, DRAWN, TRACED
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable
+
     from wheelrail.explorer.controls import Control
-    from wheelrail.explorer.page import Page
+    from wheelrail.explorer.subject import Subject
 
 STYLE = """
 .v-slider *, .v-slider-thumb, .v-slider-track__fill { transition: none !important; }
@@ -40,6 +42,22 @@ STYLE = """
 .wr-drop > div { flex: 1; margin: 6vh 2vw; border: 3px dashed white; border-radius: 12px; color: white; font-size: 28px;
   display: flex; align-items: center; justify-content: center; }
 """
+
+
+class Page(Protocol):
+    """What a page of a contact answers to its controls, see `wheelrail.explorer.page`."""
+
+    server: Any
+    state: Any
+    subject: Subject
+
+    def reset(self) -> None: ...
+    def cancel(self) -> None: ...
+    def drop(self, file: dict[str, Any]) -> None: ...
+    def survey(self, at: dict[str, float]) -> None: ...
+    def follow(self, at: dict[str, float]) -> None: ...
+    def has_view(self, name: str) -> bool: ...
+    def request(self, name: str) -> Awaitable[None]: ...
 
 
 class Picture(AbstractElement):  # type: ignore[misc]
