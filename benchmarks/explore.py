@@ -1,4 +1,4 @@
-"""From a move on the explorer's page to its new picture, in headless Chromium, and what an idle page costs.
+"""Time from a move on the explorer's page to the new picture, in headless Chromium, and the cost of an idle page.
 
     python -m benchmarks.explore [--quick] [--json FILE]
 
@@ -40,7 +40,7 @@ MOVE = """
   return times;
 })
 """
-READY = "window.trame.state.get('solved') > 0 && !window.trame.state.get('stale') && !window.trame.state.get('busy')"
+READY = "window.trame.state.get('answered') >= 0 && !window.trame.state.get('stale') && !window.trame.state.get('busy')"
 
 
 @contextmanager

@@ -53,14 +53,14 @@ class Tab:
         self.call("Emulation.setEmulatedMedia", features=[scheme])
 
     def value(self, script: str) -> Any:
-        """Value of an expression, or of what it promises; raises RuntimeError for an exception of the page."""
+        """Value of an expression, of a promise the promised one; raises RuntimeError for an exception of the page."""
         found = self.call("Runtime.evaluate", expression=script, awaitPromise=True, returnByValue=True)
         if "exceptionDetails" in found:
             raise RuntimeError(json.dumps(found["exceptionDetails"])[:2000])
         return found["result"].get("value")
 
     def wait(self, script: str, seconds: float = WAIT) -> Any:
-        """Value of an expression as soon as it is true; raises TimeoutError."""
+        """Value of an expression as soon as that is true; raises TimeoutError."""
         end = monotonic() + seconds
         while not (found := self.value(f"(() => {{ try {{ return {script} }} catch {{ return null }} }})()")):
             if monotonic() > end:

@@ -35,7 +35,7 @@ def same(first: dict[str, Any], second: dict[str, Any]) -> bool:
 
 
 def moved(subject: Subject, seed: int) -> dict[str, Any]:
-    """Random values of the sliders near those at first, as a user moves them, some left alone."""
+    """Random values of the sliders near the first ones; some are left alone."""
     chance = random.Random(seed)
     values: dict[str, Any] = {}
     for control in subject.controls:

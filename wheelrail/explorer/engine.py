@@ -33,7 +33,7 @@ class Worker:
         self._cancelled = False
 
     def start(self) -> WorkerProcess:
-        """The process, started unless it runs."""
+        """The process, which is started unless one runs."""
         if self._process is None:
             ours, theirs = Pipe(duplex=False)
             self._process = WorkerProcess("spawn", prepare, theirs)

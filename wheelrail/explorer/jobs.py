@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import warnings
 from collections import OrderedDict
 from collections.abc import Sequence
 from multiprocessing.connection import Connection
@@ -25,7 +26,7 @@ GEOMETRY = ("wheel", "rail", "laying_angle", "gauge", "gauge_height", "flange_ba
 
 
 class Kept:
-    """What a worker process keeps from one job to the next."""
+    """Contacts, geometries, profiles and animations that a worker process keeps from one job to the next."""
 
     contacts: ClassVar[OrderedDict[str, Wheelset | Hertz]] = OrderedDict()
     geometries: ClassVar[OrderedDict[str, Dataset]] = OrderedDict()
@@ -72,8 +73,11 @@ def solve(calls: Calls, views: Sequence[str]) -> dict[str, Any]:
     """
     from wheelrail.explorer.views import panels
 
-    solution = _solution(calls)
-    return _described(solution, panels(solution.data, views) if solution.ok else [])
+    with warnings.catch_warnings(record=True) as unusual:
+        warnings.simplefilter("always", UserWarning)
+        solution = _solution(calls)
+    remarks = [str(warning.message) for warning in unusual if issubclass(warning.category, UserWarning)]
+    return _described(solution, panels(solution.data, views) if solution.ok else [], remarks)
 
 
 def stress(calls: Calls) -> dict[str, Any]:
@@ -155,13 +159,13 @@ def _forget(kept: OrderedDict[str, Any]) -> None:
         kept.popitem(last=False)
 
 
-def _described(solution: Solution, drawn: Sequence[Panel]) -> dict[str, Any]:
+def _described(solution: Solution, drawn: Sequence[Panel], remarks: Sequence[str] = ()) -> dict[str, Any]:
     from wheelrail.scenes.contacts.table import table as table_of
 
     data = solution.data
     table = table_of(data)
     return {
-        "status": solution.status,
+        "status": "; ".join([solution.status, *dict.fromkeys(remarks)]),
         "ok": solution.ok,
         "table": {"head": list(table.head), "rows": [list(row) for row in table.rows if row]},
         "values": {

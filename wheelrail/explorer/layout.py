@@ -45,7 +45,7 @@ STYLE = """
 
 
 class Page(Protocol):
-    """What a page of a contact answers to its controls, see `wheelrail.explorer.page`."""
+    """Page of a contact as its controls see one, `wheelrail.explorer.page`."""
 
     server: Any
     state: Any
@@ -148,7 +148,7 @@ def draw_layout(page: Page) -> None:
 
 
 def notice() -> None:
-    """What the page has to say, until it is closed."""
+    """Message of the page, until a user closes one."""
     v.VAlert(
         "{{ notice }}",
         v_if="notice",

@@ -70,7 +70,8 @@ class Page:
                 "python": "",
                 "scene": "",
                 "dark": False,
-                "solved": 0,
+                "asked": 0,  # number of a move, for who waits until the page answers to it
+                "answered": -1,
                 "seconds": 0.0,
                 "trame__title": "wheelrail explore",
             }
@@ -78,7 +79,7 @@ class Page:
         return moved
 
     def reset(self) -> None:
-        """Put all values back to those at first."""
+        """Put all values back to the first ones."""
         self.state.update(self.subject.initial)
 
     def place(self, key: str, value: float) -> None:
@@ -106,7 +107,7 @@ class Page:
         return self.subject.kind == "wheelset" or name not in ("profiles", "closeup", "geometry")
 
     def cancel(self) -> None:
-        """End what takes long."""
+        """End the jobs that run."""
         self.worker.cancel()
         self.beside.cancel()
 
@@ -122,6 +123,10 @@ class Page:
             self.state.notice = ""
         except (ValueError, OSError) as error:
             self.state.notice = str(error).replace(f"{self.folder.name}/", "")
+
+    def present(self) -> Calls:
+        """Arguments of the present values. Raises ValueError for a text that is not a number."""
+        return self.subject.calls({name: self.state[name] for name in self.subject.initial})
 
     def close(self) -> None:
         """End the processes, and remove files."""
@@ -152,15 +157,16 @@ class Page:
 
     async def _serve(self) -> None:
         """Solve with the present values and show the result, or why there is none."""
+        asked = self.state.asked
         try:
-            calls = self.subject.calls(self.state.to_dict())
+            calls = self.present()
             views = [view for view in DRAWN if self.state[f"view_{view}"]]
             found = await self._timed("solving", self.worker.run(jobs.solve, calls, views))
             shown = self._shown(calls, found)
         except (ValueError, RuntimeError, MemoryError, Cancelled) as error:
             shown = {"stale": True, "status": "", "reason": str(error) or "cancelled"}
         with self.state:
-            self.state.update({**shown, "busy": "", "solved": self.state.solved + 1, "requested_stale": True})
+            self.state.update({**shown, "busy": "", "answered": asked, "requested_stale": True})
 
     def _shown(self, calls: Calls, found: dict[str, Any]) -> dict[str, Any]:
         """State after a solve; a failed one leaves the last pictures, greyed."""
@@ -172,7 +178,7 @@ class Page:
         return {**texts, "stale": False, "reason": "", "panels": found["panels"]}
 
     async def _idle(self) -> bool:
-        """One step of what is shown beside the solution; whether there is more to do."""
+        """One step of the contact geometry or of the trace; returns whether there is more to do."""
         if self.calls is None or self.state.stale:
             return False
         try:
@@ -214,7 +220,7 @@ class Page:
         return place is not None
 
     async def request(self, name: str) -> None:
-        """Compute beside what takes seconds: the stress, or the deformed bodies in 3D."""
+        """Compute the stress, or the deformed bodies in 3D, which takes seconds, beside the moves."""
         if self.calls is None:
             return
         arguments = (self.calls, self.folder.name) if name == "bodies" else (self.calls,)

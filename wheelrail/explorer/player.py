@@ -67,7 +67,7 @@ class Player:
             self.state.notice = str(error)
 
     def play(self) -> None:
-        """Play the run from the present sample, or stop it."""
+        """Play the run from the present sample, or stop."""
         if self._playing is not None and not self._playing.done():
             self._playing.cancel()
             self.state.playing = False

@@ -28,7 +28,7 @@ def receive(stream: IO[bytes]) -> Any:
 
 
 def main() -> None:
-    """Serve what comes first on the input, and answer questions, until the input ends."""
+    """Serve the contact or run that comes first on the input, and answer questions, until the input ends."""
     output = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # against prints of libraries
     what, port = receive(sys.stdin.buffer)
@@ -37,7 +37,10 @@ def main() -> None:
     def answer(served: Served) -> None:
         try:
             while receive(sys.stdin.buffer) == "calls":
-                send(output, ("calls", served.calls()))
+                try:
+                    send(output, ("calls", served.calls()))
+                except ValueError as error:
+                    send(output, ("error", error))
         except EOFError:
             served.stop()
 

@@ -85,7 +85,7 @@ class Curves:
 
 
 def thinned(own: Array) -> NDArray[np.intp]:
-    """Indices of at most MOST values, the smallest and largest of every interval among them."""
+    """Indices of at most MOST values, with the smallest and the largest one of every interval."""
     if len(own) <= MOST:
         return np.arange(len(own))
     parts = np.array_split(np.arange(len(own)), MOST // 2)

@@ -40,9 +40,15 @@ class Served:
         self._loop = asyncio.get_running_loop()
 
     def calls(self) -> Any:
-        """Arguments of the contact on the page and its profiles by name; None without."""
-        calls = getattr(self.page, "calls", None)
-        return None if calls is None else (calls, dict(self.page.subject.given))
+        """Arguments of the contact on the page and profiles by name, asked from another thread; None for a run.
+
+        Raises ValueError for values of the page that are no numbers.
+        """
+        return asyncio.run_coroutine_threadsafe(self._calls(), self._loop).result()
+
+    async def _calls(self) -> Any:
+        page = self.page
+        return (page.present(), dict(page.subject.given)) if hasattr(page, "present") else None
 
     def stop(self) -> None:
         """End the server, from any thread."""
@@ -83,7 +89,12 @@ def serve(what: Subject | Path, port: int, ready: Callable[[Served], None]) -> N
         from wheelrail.explorer.page import Page
 
         page = Page(server, what)
-    server.controller.on_server_ready.add(lambda **_: ready(Served(server, page, token)))
+
+    def begin(**_: Any) -> None:
+        asyncio.get_running_loop().set_exception_handler(_report)
+        ready(Served(server, page, token))
+
+    server.controller.on_server_ready.add(begin)
     try:
         with _alone():
             server.start(port=port, open_browser=False, show_connection_info=False, disable_logging=True, host=HOST)
@@ -91,9 +102,15 @@ def serve(what: Subject | Path, port: int, ready: Callable[[Served], None]) -> N
         page.close()
 
 
+def _report(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+    """Report an exception of a task, but for the one of a page that was closed while something was sent to it."""
+    if not isinstance(context.get("exception"), ConnectionError):
+        loop.default_exception_handler(context)
+
+
 @contextmanager
 def _alone() -> Iterator[None]:
-    """Keep the arguments of this process from trame, which would read them as its own, and its greeting from stdout."""
+    """Keep the arguments of this process from trame, and trame's greeting from standard output."""
     argv, sys.argv = sys.argv, sys.argv[:1]
     os.environ["WSLINK_READY_MSG"] = ""
     os.environ.pop("TRAME_ARGS", None)

@@ -16,7 +16,6 @@ from wheelrail.scenes.schema.errors import SceneError
 
 if TYPE_CHECKING:
     from wheelrail.api.solution import Solution
-    from wheelrail.explorer.subject import Calls
 
 
 class Explorer:
@@ -43,16 +42,17 @@ class Explorer:
         self.url: str = answer
 
     def solution(self) -> Solution:
-        """Solution of what the page shows now, solved anew in this process.
+        """Solution of the contact on the page as it is now, solved anew in this process.
 
-        Raises ValueError where the page shows none, and for a run.
+        Raises ValueError for values that are not allowed and for a run, RuntimeError where the page has ended.
         """
         from wheelrail.explorer.subject import CLASSES, with_profiles
 
-        kind, calls = self._asked("calls")
-        if kind != "calls" or calls is None:
-            raise ValueError("explore: the page shows no contact yet" if kind == "calls" else "explore: closed")
-        found: tuple[Calls, dict[str, Any]] = calls
+        kind, found = self._asked("calls")
+        if kind != "calls":
+            raise found
+        if found is None:
+            raise ValueError("explore: the page shows a run, which has no contact to solve")
         own, profiles = found
         return CLASSES[own.kind](**with_profiles(own.contact, profiles)).solve(**own.solve)
 
@@ -98,7 +98,7 @@ def explore(what: Any = None, rail: Any = None, *, port: int = 0, height: int = 
 
 
 def subject(what: Any, rail: Any = None) -> Any:
-    """What a page shows: a Subject, or the file of a run. Raises SceneError."""
+    """Subject of a page: a contact, or the file of a run. Raises SceneError."""
     from wheelrail.api.hertz import Hertz
     from wheelrail.api.wheelset import Wheelset
     from wheelrail.explorer.server import check_packages

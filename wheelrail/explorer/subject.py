@@ -1,4 +1,4 @@
-"""What an explorer moves: a contact with its arguments, and the calls that values of the page stand for."""
+"""Contact of an explorer with its arguments, and the calls that values of the page stand for."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ class Trace:
 
     @property
     def due(self) -> bool:
-        """Whether enough has come to draw it again."""
+        """Whether enough values have come for another picture."""
         return len(self._order) % 4 == 0
 
     def put(self, values: dict[str, float]) -> None:
