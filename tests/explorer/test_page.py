@@ -198,6 +198,7 @@ def test_page_closed_during_a_solve(chromium: Browser, tab: Tab, page: Any) -> N
     other.open(page.url)
     other.wait("document.querySelectorAll('.wr-pressure canvas').length > 0")
     other.value("window.trame.state.update({ at_y: 4.0, at_strips: 30, at_cells: 40 })")
+    sleep(0.5)  # of the solve
     other.call("Page.close")
     chromium.tabs.remove(other)
     wait(tab, "get('at_strips') === 30")

@@ -43,7 +43,7 @@ class Page:
         self.beside.profiles |= subject.given
         names = list(self._start())
         draw_layout(self)
-        self.state.change(*names)(self._moved)
+        self.state.change("asked", *names)(self._moved)
         server.controller.on_server_ready.add(lambda **_: self._moved())
 
     def _start(self) -> dict[str, Any]:

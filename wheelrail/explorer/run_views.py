@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wheelrail.explorer.views import PRESENT, Panel
+from wheelrail.explorer.views import COLOURS, PRESENT, Panel
 from wheelrail.scenes.plots.drawing import Drawing, Line, Segments
 from wheelrail.scenes.plots.style import SERIES, SIDES
 from wheelrail.scenes.quantities import RUN
@@ -113,7 +113,7 @@ def patch_panels(data: Dataset, sample: int) -> list[Panel]:
                 ellipse = [x + a * np.cos(ELLIPSE), sign * y + b * np.sin(ELLIPSE)]
                 quantity = RUN["patch_normal_force"]
                 label = f"{quantity.texts([force])} {quantity.shown}"
-                lines.append(Line(1e3 * np.column_stack(ellipse), SERIES[patch % len(SERIES)]["color"], label))
+                lines.append(Line(1e3 * np.column_stack(ellipse), COLOURS[patch % len(COLOURS)], label))
             middle = 42.0
             drawing = Drawing(
                 f"{wheelset}, {side} wheel{'' if lines else ': no contact'}",

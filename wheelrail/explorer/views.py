@@ -35,7 +35,8 @@ BESIDE = {
     "stress": "stress below the surface",
     "bodies": "deformed bodies in 3D",
 }
-BOUND, PRESENT = "0.45", "#D55E00"
+BOUND, PRESENT = "#737373", "#D55E00"
+COLOURS = [str(own["color"]) for own in SERIES[:6]]  # those of CSS
 NEAR = 12.0  # mm around the contacts, shown in the magnified view
 DEPTHS = tuple(np.round(np.geomspace(0.2e-3, 20e-3, 24), 6).tolist())  # m, of the stress
 Traced = tuple[Quantity, Callable[[SideValues], float]]
@@ -137,10 +138,10 @@ def _forces(data: Dataset) -> Iterator[Panel]:
         own = SideValues(data, side)
         normal = own.by_patch("patch_normal_force")[patch]
         force = [own.by_patch(f"patch_{axis}_force")[patch] / normal for axis in ("longitudinal", "lateral")]
-        style = SERIES[number % len(SERIES)]
+        colour = COLOURS[number % len(COLOURS)]
         line = np.array([[0.0, 0.0], force])
         label = f"{title(data, side, patch)} x {significant(float(np.hypot(*force)), 4)}"
-        layers += [Line(line, style["color"], label=label), Line(line[1:], style["color"], width=0.0, marker="o")]
+        layers += [Line(line, colour, label=label), Line(line[1:], colour, width=0.0, marker="o")]
     for side in dict.fromkeys(side for side, _ in found):
         if error := SideValues(data, side).error_estimate.get("force"):
             notes.append(f"{side}: estimated error of the force {significant(error, 2)} N")
@@ -255,7 +256,7 @@ def stress_panels(data: Dataset) -> list[Panel]:
         lines = tuple(
             Line(
                 np.column_stack([mises.scale * np.asarray(own.below("von_mises", body, patch)), -depth]),
-                SERIES[number]["color"],
+                COLOURS[number],
                 f"{body}, at most {mises.texts([own.largest_von_mises(body, patch)[0]])} {mises.shown}",
                 number > 0,
             )
