@@ -84,6 +84,7 @@ def test_long_cells_are_contacts_fair_settings() -> None:
 def test_one_wheel_with_one_and_two_patches_stands_beside_contact(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(wheel_on_rail, "REPEATS", 1)
     monkeypatch.setattr(wheel_on_rail, "FINENESSES", ((8, 10), (14, 12)))
+    monkeypatch.setattr(wheel_on_rail, "FINEST", (20, 14))
     strips, contact = list(wheel_on_rail.strip_rows()), list(wheel_on_rail.contact_rows())
     cases = [(80, 1), (70, 2), (25, 2)]
     assert [(row["load"], row["patches"], row["division"]) for row in strips] == [
