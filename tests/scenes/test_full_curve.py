@@ -35,7 +35,7 @@ def test_full_curve_is_the_paper_s_beginning_with_all_displacements() -> None:
 
 
 def test_both_formulations_give_the_same_run() -> None:
-    coarse, seconds = scene().model_copy(update={"surface_size": 6e-3}), 0.05  # m, s
+    coarse, seconds = scene().model_copy(update={"surface_size": 8e-3}), 0.05  # m, s
     whole, condensed = (ran(coarse, model, seconds) for model in ("full", "condensed"))
     assert whole.history.status == condensed.history.status == "completed"
     assert len(whole.history) >= 4
