@@ -1,6 +1,6 @@
 """Time from a move on the explorer's page to the new picture, in headless Chromium, and the cost of an idle page.
 
-    python -m benchmarks.explore [--quick] [--json FILE]
+    python -m benchmarks.explore [--quick] [--json FILE] [--picture FILE]
 
 S1002 on 60E1, 8 x 10 strips and cells, all first views, one wheel and both; needs Chromium.
 """
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,6 +22,7 @@ from benchmarks.common.browser import Tab, browser
 from benchmarks.common.machine import machine_description
 
 MOVES, IDLE = 200, 10.0  # moves of the slider; s of an idle page
+PATH = (0.0, 1.5, 3.0, 4.0, 5.0, 5.4, 5.8, 6.2, 6.6)  # mm, lateral positions of the picture
 TARGETS = {"left wheel": 60.0, "both wheels": 100.0}  # ms
 # One promise for all moves: the protocol of the browser is not in the times.
 MOVE = """
@@ -96,11 +98,34 @@ def measured(moves: int = MOVES, idle: float = IDLE) -> dict[str, Any]:
         return {**found, "idle": (processor_seconds(pids) - before) / idle, "errors": tab.errors}
 
 
+def picture(file: Path, size: tuple[int, int] = (1180, 700)) -> None:
+    """Draw the moving picture of the documentation (.gif): a wheelset that is moved to the flange and back."""
+    from PIL import Image
+
+    contact = wr.Wheelset(wheel="S1002", rail="60E1", friction=0.3)
+    with opened(contact, size) as (_, tab), tempfile.TemporaryDirectory() as folder:
+        tab.wait(READY)
+        tab.value("window.trame.state.update({ at_sides: 'left wheel', view_forces: true })")
+        frames = []
+        for number, y in enumerate([*PATH, *PATH[-2:0:-1]]):
+            tab.value(f"window.trame.state.update({{ at_y: {y}, asked: {number + 1} }})")
+            tab.wait(f"window.trame.state.get('answered') === {number + 1} && !window.trame.state.get('busy')")
+            sleep(0.3)
+            still = Path(folder, "still.png")
+            tab.picture(still)
+            frames.append(Image.open(still).convert("RGB").quantize(128, dither=Image.Dither.NONE))
+        frames[0].save(file, save_all=True, append_images=frames[1:], duration=300, loop=0, optimize=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="25 moves")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all times to a file")
+    parser.add_argument("--picture", type=Path, metavar="FILE", help="draw the documentation's picture (.gif) instead")
     given = parser.parse_args()
+    if given.picture is not None:
+        picture(given.picture)
+        return
     found = measured(25 if given.quick else MOVES)
     print(f"{machine_description()}\n\n| wheels | median, ms | 90 % | worst | target |\n|---|---|---|---|---|")
     for wheels, target in TARGETS.items():

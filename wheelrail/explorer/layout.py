@@ -105,7 +105,7 @@ def draw_layout(page: Page) -> None:
             v.VBtn("copy as Python", click="shown_text = python; dialog = true", size="small", classes="wr-python")
             v.VBtn("save as scene", click="shown_text = scene; dialog = true", size="small", classes="wr-scene")
             v.VBtn("{{ dark ? 'light' : 'dark' }}", click="dark = !dark", size="small")
-        with v.VNavigationDrawer(v_model=("drawer", True), width=330):
+        with v.VNavigationDrawer(v_model=("drawer", True), width=330, mobile_breakpoint=640, scrim="false"):
             for group, controls in groupby(page.subject.controls, key=lambda control: control.group):
                 html.Div(group, classes="text-subtitle-2 px-3 pt-3")
                 if group == "load":

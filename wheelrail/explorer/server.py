@@ -103,7 +103,7 @@ def serve(what: Subject | Path, port: int, ready: Callable[[Served], None]) -> N
 
 
 def _report(loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-    """Report an exception of a task, but for the one of a page that was closed while something was sent to it."""
+    """Report an exception of a task, but for that of a message to a page that was closed."""
     if not isinstance(context.get("exception"), ConnectionError):
         loop.default_exception_handler(context)
 

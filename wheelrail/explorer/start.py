@@ -42,7 +42,7 @@ class Explorer:
         self.url: str = answer
 
     def solution(self) -> Solution:
-        """Solution of the contact on the page as it is now, solved anew in this process.
+        """Solution of the contact now on the page, solved anew in this process.
 
         Raises ValueError for values that are not allowed and for a run, RuntimeError where the page has ended.
         """
