@@ -189,7 +189,8 @@ class LevelModel {
     }
 
     // Outcome with more cells along the strips of a solution with tension, or on narrower strips: on a quarter of their
-    // width where half of it leaves less tension, as a solve takes ten times as long. Failed where tension remains.
+    // width, ten times as long a solve, only where tension that is linear in the width would vanish there. Failed where
+    // tension remains.
     LatticeOutcome without_tension(const LatticeProblem& problem, const std::shared_ptr<LatticeSolution>& solution,
                                    double approach) const {
         long S = long(solution->state.strips.size());
@@ -197,7 +198,7 @@ class LevelModel {
         for (const auto& model : finer ? finer() : Models{}) {
             long narrower = model->level - level, unknowns = (S << narrower) * model->setting->block();
             if (S > strips && (narrower > 1 || unknowns > MOST_UNKNOWNS)) continue;
-            if (narrower > 1 && !(halved < tension)) continue;
+            if (narrower > 1 && halved - 0.5 * (tension - halved) > 0.0) continue;
             auto done = model->solve(model->problem(problem.given()), nullptr);
             if (narrower == 1) halved = done.tension;
             if (!done.ok()) continue;
