@@ -278,7 +278,7 @@ def test_heavy_libraries_are_imported_by_few_modules(path: Path) -> None:
         assert not anywhere
     if top == "meshes":
         assert anywhere <= {"gmsh"}
-    if top in ("scenes", "cli", "api", "export", ""):
+    if top in ("scenes", "cli", "api", "explorer", "export", ""):
         assert not anywhere & ELEMENTS
     if top in ("forms", "contact", "support"):
         assert anywhere <= ELEMENTS

@@ -104,17 +104,24 @@ def _closeups(data: Dataset) -> Iterator[Panel]:
             continue
         x = np.concatenate(marks)[:, 0]
         low, high = float(x.min()) - NEAR, float(x.max()) + NEAR
-        curves = np.concatenate([line.points for line in lines])
-        height = curves[(curves[:, 0] > low) & (curves[:, 0] < high), 1]
+        near = tuple(replace(line, points=_within(line.points, low, high)) for line in lines)
+        height = np.concatenate([line.points[:, 1] for line in near])
         margin = 0.05 * np.ptp(height)
-        near = replace(
+        drawing = replace(
             panel.drawing,
             title=f"{panel.drawing.title}, heights magnified",
+            layers=near,
             equal=False,
             x_limits=(low, high),
             y_limits=(float(height.min() - margin), float(height.max() + margin)),
         )
-        yield Panel("closeup", panel.side, near)
+        yield Panel("closeup", panel.side, drawing)
+
+
+def _within(points: Array, low: float, high: float) -> Array:
+    """Part of a curve (n, 2) between two limits of its first coordinate."""
+    inside = np.flatnonzero((points[:, 0] > low) & (points[:, 0] < high))
+    return points[inside[0] : inside[-1] + 1] if inside.size else points[:0]
 
 
 def _pressure(data: Dataset) -> Iterator[Panel]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -93,6 +94,6 @@ class SideValues:
         maximum = int(np.argmax(mises))
         return mises[maximum], float(self.data["depth"].values[maximum])
 
-    @property
+    @cached_property
     def _row(self) -> int:
         return int(self.data.variables["side"].values.tolist().index(self.side))
