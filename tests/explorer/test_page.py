@@ -108,6 +108,16 @@ def test_failed_solves_leave_the_last_picture_greyed_with_the_reason(tab: Tab) -
     assert not get(tab, "stale")
 
 
+def test_emptied_fields_are_refused(tab: Tab) -> None:
+    tab.value(
+        """(() => { const field = document.querySelector('.wr-number input'); field.value = '';
+        field.dispatchEvent(new Event('change', { bubbles: true })); })()"""
+    )
+    wait(tab, "get('reason').includes(\"to the left = '': must be a number\")")
+    move(tab, at_y=0.0)
+    assert not get(tab, "stale")
+
+
 def test_unusual_values_are_said(tab: Tab) -> None:
     move(tab, at_friction=0.95)
     assert "friction = 0.95: unusual" in get(tab, "status")
@@ -160,7 +170,7 @@ def test_dropped_profiles(tab: Tab, tmp_path: Path) -> None:
     read = wr.profile(tmp_path / "turned.txt", "wheel")
     found = wr.Wheelset(wheel=read, friction=0.3, bodies="half-space", strips=6, cells=8, speed=20.0).solve().data
     assert get(tab, "values")["lateral_force"] == found["lateral_force"].values.tolist()
-    assert 'wr.profile("turned.txt", "wheel")' in get(tab, "python")
+    assert "wr.profile('turned.txt', 'wheel')" in get(tab, "python")
     drop(tab, "rail", "bad.txt", "nothing to see\n1 2\n")
     assert "bad.txt" in wait(tab, "get('notice')")
     assert "/tmp" not in get(tab, "notice")
@@ -262,3 +272,12 @@ def test_what_cannot_be_explored_is_named(tmp_path: Path) -> None:
         wr.explore(scene)
     with pytest.raises((ValueError, OSError), match=r"missing\.nc"):
         wr.explore(tmp_path / "missing.nc")
+    with pytest.raises(ValueError, match=r"explore: port = 99999: must be a whole number"):
+        wr.explore(port=99999)
+
+
+def test_pages_that_were_closed_say_so() -> None:
+    page = wr.explore(wr.Hertz(load=1e4, model="standard"))
+    page.close()
+    with pytest.raises(RuntimeError, match="the process of the page has ended"):
+        page.solution()

@@ -88,6 +88,34 @@ def test_moved_values_arrive_in_si_units() -> None:
     )
 
 
+def test_differences_follow_what_they_are_added_to() -> None:
+    subject = Subject.of(wr.Wheelset(speed=20.0, pitch_rate=20.0 / 0.46 + 0.1, right={"radius": 0.4595}))
+    calls = subject.calls({"at_speed": 40.0, "at_radius": 500.0})
+    assert calls.solve["pitch_rate"] == pytest.approx(40.0 / 0.5 + 0.1, rel=1e-12)
+    assert calls.contact["right"] == {"radius": pytest.approx(0.4995, rel=1e-12)}
+    calls = subject.calls({"at_radius": 0.0})
+    with pytest.raises(ValueError, match=r"radius = 0\.0: must be"):
+        wr.Wheelset(**calls.contact)
+
+
+def test_numbers_of_strips_and_cells_are_whole() -> None:
+    subject = Subject.of(wr.Wheelset(bodies="half-space"))
+    with pytest.raises(ValueError, match=r"strips across = 6\.7: must be a whole number"):
+        subject.calls({"at_strips": 6.7})
+    for control in subject.controls:
+        if control.key in ("strips", "cells"):
+            for end in (control.low, control.high):
+                wr.Wheelset(**subject.calls({control.name: end}).contact)
+
+
+def test_scene_of_elastic_bodies_after_the_standard_model(tmp_path: Path) -> None:
+    subject = Subject.of(wr.Hertz(load=1e4, model="standard"))
+    calls = subject.calls({"at_model": "elastic bodies", "at_strips": 5, "at_cells": 6})
+    (tmp_path / "seen.toml").write_text(subject.scene(calls))
+    scene = wr.load(tmp_path / "seen.toml")
+    assert same(values_of(wr.Hertz(**calls.contact).solve(**calls.solve).data), values_of(scene.solve().data))
+
+
 def test_other_rails_have_their_own_inclination() -> None:
     subject = Subject.of(wr.Wheelset())
     assert "laying_angle" not in subject.calls({"at_rail": "UIC60-benchmark"}).contact
@@ -121,9 +149,25 @@ def test_texts_that_are_no_numbers_are_named() -> None:
 def test_dropped_profile_is_a_file_in_the_texts() -> None:
     subject, name = Subject.of(wr.Wheelset()).with_profile(wr.profile("S1002"), "worn.prw")
     calls = subject.calls({"at_wheel": name})
-    assert 'wheel = wr.profile("worn.prw", "wheel")' in subject.python(calls)
+    assert "wheel = wr.profile('worn.prw', 'wheel')" in subject.python(calls)
     assert "contact = wr.Wheelset(wheel=wheel)" in subject.python(calls)
     assert tomllib.loads(subject.scene(calls))["profiles"]["wheel"] == "worn.prw"
+
+
+@pytest.mark.parametrize("file", ['my "worn" wheel.txt', "it's\\ worn\n.txt", "ü.txt", "S1002"])
+def test_files_of_any_name_are_themselves_in_the_texts(file: str, tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.chdir(tmp_path)
+    points = 1e3 * wr.profile("S1002").point(wr.profile("S1002").samples(0.5e-3))
+    Path(file).write_text("".join(f"{y - 0.7:.6f} {z:.6f}\n" for y, z in points))
+    read = wr.profile(tmp_path / file, "wheel")
+    subject, name = Subject.of(wr.Wheelset(model="standard")).with_profile(read, file)
+    calls = subject.calls({"at_wheel": name})
+    space: dict[str, Any] = {}
+    exec(subject.python(calls), space)
+    assert space["wheel"].digest() == read.digest()
+    Path("seen.toml").write_text(subject.scene(calls))
+    expected = wr.Wheelset(read, model="standard").solve().data["lateral_force"].values
+    assert wr.load("seen.toml").solve().data["lateral_force"].values.tolist() == expected.tolist()
 
 
 @pytest.mark.parametrize("scene", ["hertz", "wheelset"])

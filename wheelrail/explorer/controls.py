@@ -101,7 +101,7 @@ def _names(kind: str) -> dict[str, str]:
 
 ELASTIC: tuple[Control, ...] = (
     _slider("strips", "strips across", "model", "", 0, 4, 40, 1),
-    _slider("cells", "cells along", "model", "", 0, 4, 60, 1),
+    _slider("cells", "cells along", "model", "", 0, 6, 60, 1),
     _choice("error_estimate", "error estimate", "model", YES, per_solve=True),
 )
 FRICTION: tuple[Control, ...] = (

@@ -188,7 +188,7 @@ def _control(page: Page, control: Control) -> None:
                     aria_label=control.label,
                 )
             with html.Div(classes="wr-text" if control.text else "wr-number"):
-                typed = "$event.target.value" if control.text else "Number($event.target.value)"
+                typed = "$event.target.value" if control.text else "$event.target.value && Number($event.target.value)"
                 html.Input(
                     value=(control.name,),
                     change=f"{control.name} = {typed}",

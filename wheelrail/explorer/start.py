@@ -69,7 +69,7 @@ class Explorer:
         try:
             send(self._to, question)
             return receive(self._from)  # type: ignore[no-any-return]
-        except (EOFError, OSError):
+        except (EOFError, OSError, ValueError):  # the last one of a stream that was closed
             return "ended", RuntimeError("explore: the process of the page has ended")
 
     def _repr_html_(self) -> str:
@@ -94,6 +94,8 @@ def explore(what: Any = None, rail: Any = None, *, port: int = 0, height: int = 
 
     Raises SceneError naming what is allowed, ImportError where the packages of the extra "view" are missing.
     """
+    if not isinstance(port, int) or not 0 <= port <= 65535:
+        raise SceneError(f"explore: port = {port!r}: must be a whole number from 0 (a free one) to 65535")
     return Explorer(subject(what, rail), port, height)
 
 

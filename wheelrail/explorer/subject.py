@@ -14,6 +14,7 @@ from wheelrail.api.hertz import Hertz
 from wheelrail.api.wheelset import SECTIONS, Wheelset, usual_inclination
 from wheelrail.contact.models.lattice.resolution import LatticeResolution
 from wheelrail.explorer.controls import ALTERNATIVES, HERTZ, WHEELSET, Control
+from wheelrail.meshes.profiles.named import NAMES
 from wheelrail.scenes.schema.scene import ELEMENTS
 from wheelrail.scenes.schema.wheelset_defaults import LOAD, SCENE, SPEED, TRACK
 from wheelrail.scenes.schema.wheelset_defaults import WHEELSET as POSITION
@@ -75,6 +76,7 @@ class Subject:
     def with_profile(self, profile: Profile, file: str) -> tuple[Subject, str]:
         """Subject that knows another profile of a file, and the profile's name."""
         name = f"{profile.name} ({profile.digest()[:8]})"
+        file = f"./{file}" if file in NAMES else file  # not the profile of the library
         return replace(self, given={**self.given, name: profile}, files={**self.files, name: file}), name
 
     @cached_property
@@ -121,8 +123,9 @@ class Subject:
         shown = {**self.initial, **values}
         keys = {key: value for key, value in deepcopy(dict(self.arguments)).items() if value is not None}
         load = shown[CHOSEN]
-        for control in self.controls:
+        for control in sorted(self.controls, key=lambda own: own.relative != ""):  # after what they are added to
             moved = shown[control.name] != self.initial[control.name] or control.key == load
+            moved |= control.relative != "" and self._base(control, keys) != self._base(control, self.arguments)
             if moved and shown[control.name] is not None:
                 _put(keys, control.key, self._argument(control, shown, keys))
         for key in self.alternatives:
@@ -141,8 +144,9 @@ class Subject:
             name = str(calls.contact.get(body))
             if name in self.given:
                 names[name] = body
-                source = f'wr.profile("{self.files[name]}", "{body}")' if name in self.files else "..."
-                lines.append(f"{body} = {source}  # {name}")
+                source = f"wr.profile({self.files[name]!r}, {body!r})" if name in self.files else "..."
+                remark = name if name in self.files else f"{name}: put in the profile that the page was given"
+                lines.append(f"{body} = {source}  # {' '.join(remark.split())}")
         made = inspect.signature(CLASSES[self.kind]).parameters
         kept = {
             key: value
@@ -162,8 +166,11 @@ class Subject:
         data: dict[str, Any] = {"kind": self.kind}
         sections = SECTIONS if self.kind == "wheelset" else {}
         whole = {**calls.contact, **calls.solve}
-        if self.kind == "hertz" and whole["friction"] != 0.0 and "shift" not in whole:
-            whole = {"speed": SPEED, "creepage": [0.0, 0.0, 0.0], **whole}
+        if self.kind == "hertz":
+            defaults = Hertz(**calls.contact).arguments  # that a scene file requires
+            whole = {**{key: value for key, value in defaults.items() if value is not None}, **whole}
+            if whole["friction"] != 0.0 and "shift" not in whole:
+                whole = {"speed": SPEED, "creepage": [0.0, 0.0, 0.0], **whole}
         for key, value in whole.items():
             section = next((name for name, own in sections.items() if key in own), None)
             table = data if section is None else data.setdefault(section, {})
@@ -185,6 +192,8 @@ class Subject:
     def _argument(self, control: Control, shown: Mapping[str, Any], keys: Mapping[str, Any]) -> Any:
         value = control.argument(shown[control.name])
         if control.key in ("strips", "cells"):
+            if not value.is_integer():
+                raise ValueError(f"{control.label} = {value!r}: must be a whole number")
             return int(value)
         if not control.relative:
             return value
@@ -194,7 +203,8 @@ class Subject:
         """Value that a relative control adds to."""
         if control.relative == "radius":
             return float(keys["radius"])
-        return float(keys.get("speed", SPEED)) / float(keys["radius"])
+        radius = float(keys["radius"])
+        return float(keys.get("speed", SPEED)) / radius if radius else 0.0  # the contact refuses it
 
 
 def _get(table: Any, key: str) -> Any:
