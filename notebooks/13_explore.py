@@ -65,7 +65,4 @@ ax.set_ylabel("lateral force on the wheel, positive to the left [kN]")
 legend = ax.legend()
 
 # %% [markdown]
-# The page ends with the notebook's kernel, or now.
-
-# %%
-page.close()
+# The page ends with the notebook's kernel, or with `page.close()`.

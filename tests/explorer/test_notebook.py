@@ -12,3 +12,4 @@ def test_notebook_explores() -> None:
     assert '<iframe src="http://127.0.0.1:' in names["page"]._repr_html_()
     assert names["solution"].ok
     assert np.abs(names["forces"] + names["forces"][::-1, ::-1]).max() < 1e-6 * 57e3  # mirror image
+    names["page"].close()
