@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import wheelrail as wr
+from wheelrail.explorer import jobs
 from wheelrail.explorer.controls import HERTZ, WHEELSET, Control
 from wheelrail.explorer.subject import CHOSEN, CLASSES, Subject
 from wheelrail.scenes.contacts.solve import solve_contact
@@ -114,6 +115,13 @@ def test_scene_of_elastic_bodies_after_the_standard_model(tmp_path: Path) -> Non
     (tmp_path / "seen.toml").write_text(subject.scene(calls))
     scene = wr.load(tmp_path / "seen.toml")
     assert same(values_of(wr.Hertz(**calls.contact).solve(**calls.solve).data), values_of(scene.solve().data))
+
+
+def test_geometry_of_sides_that_differ_in_friction_only() -> None:
+    same_sides, other = (Subject.of(wr.Wheelset(**more)).calls({}) for more in ({}, {"left": {"friction": 0.2}}))
+    assert jobs.geometry(other) == jobs.geometry(same_sides)
+    smaller = Subject.of(wr.Wheelset(right={"radius": 0.459, "friction": 0.2})).calls({})
+    assert jobs.geometry(smaller) != jobs.geometry(same_sides)
 
 
 def test_other_rails_have_their_own_inclination() -> None:

@@ -135,11 +135,12 @@ def geometry(calls: Calls) -> list[dict[str, Any]]:
     from wheelrail.explorer.subject import with_profiles
     from wheelrail.explorer.views import geometry_panels
 
-    own = {key: value for key, value in with_profiles(calls.contact, Kept.profiles).items() if key in GEOMETRY}
-    own |= {side: {"radius": calls.contact[side]["radius"]} for side in ("left", "right") if side in calls.contact}
-    key = repr({name: getattr(value, "digest", lambda value=value: value)() for name, value in own.items()})
+    own = {key: value for key, value in calls.contact.items() if key in GEOMETRY}
+    for side in {"left", "right"} & calls.contact.keys():
+        own[side] = {key: value for key, value in calls.contact[side].items() if key in GEOMETRY}
+    key = repr(own)  # profiles that are not in the library have names with their digest
     if key not in Kept.geometries:
-        Kept.geometries[key] = contact_geometry(**own)
+        Kept.geometries[key] = contact_geometry(**with_profiles(own, Kept.profiles))
         _forget(Kept.geometries)
     return [panel.plain() for panel in geometry_panels(Kept.geometries[key], calls.solve.get("y", 0.0))]
 
