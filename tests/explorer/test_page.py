@@ -175,6 +175,8 @@ def test_dropped_profiles(tab: Tab, tmp_path: Path) -> None:
     assert "bad.txt" in wait(tab, "get('notice')")
     assert "/tmp" not in get(tab, "notice")
     assert get(tab, "at_rail") == "UIC60"
+    drop(tab, "rail", "many.txt", "0.000001 0\n" * 200_000)
+    wait(tab, "get('notice').includes('many.txt')", 20.0)
     drop(tab, "rail", "large.txt", "0 0\n" * 2_600_000)
     wait(tab, "get('notice').includes('10.4 MB: must be at most 10 MB')")
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import tempfile
+from base64 import b64decode
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from time import monotonic
@@ -115,11 +116,11 @@ class Page:
         """Read a profile that was dropped on the page.
 
         Parameters:
-            file: name, size, kind ("wheel" or "rail"), and content of bytes.
+            file: name, size, kind ("wheel" or "rail"), and content in base 64.
         """
         name = Path(str(file.get("name", ""))).name or "profile"
         try:
-            self._drop(name, str(file["kind"]), bytes(file.get("content") or b""), int(file["size"]))
+            self._drop(name, str(file["kind"]), b64decode(file.get("content") or ""), int(file["size"]))
             self.state.notice = ""
         except (ValueError, OSError) as error:
             self.state.notice = str(error).replace(f"{self.folder.name}/", "")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from wheelrail.explorer.subject import Subject
 
 HOST = "127.0.0.1"
-MESSAGE = 12_000_000  # bytes of one message from a browser, a dropped file included
+MESSAGE = 14_000_000  # bytes of one message from a browser, a dropped file of 10 MB in base 64 included
 BROWSER = Path(__file__).parent / "browser"
 MODULE = {
     "serve": {"wheelrail_browser": str(BROWSER)},

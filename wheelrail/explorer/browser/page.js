@@ -68,7 +68,12 @@ window.wheelrail_page = (() => {
       async read(kind, file) {
         this.over = false;
         if (!file) return;
-        const content = file.size > this.largest ? null : new Uint8Array(await file.arrayBuffer());
+        const content = file.size > this.largest ? null : await new Promise((done, failed) => {
+          const reader = new FileReader();  // base 64: the connection does not bring an array of 2 MB
+          reader.onload = () => done(reader.result.split(",")[1] ?? "");
+          reader.onerror = () => failed(reader.error);
+          reader.readAsDataURL(file);
+        });
         this.$emit("file", { name: file.name, size: file.size, kind, content });
       },
     },
