@@ -13,7 +13,7 @@ from typing import Any
 from wheelrail.explorer import jobs
 from wheelrail.explorer.engine import Cancelled, Latest, Worker
 from wheelrail.explorer.layout import draw_layout
-from wheelrail.explorer.subject import Calls, Subject
+from wheelrail.explorer.subject import CHOSEN, Calls, Subject
 from wheelrail.explorer.trace import Trace
 from wheelrail.explorer.views import BESIDE, DRAWN
 
@@ -164,8 +164,8 @@ class Page:
             views = [view for view in DRAWN if self.state[f"view_{view}"]]
             found = await self._timed("solving", self.worker.run(jobs.solve, calls, views))
             shown = self._shown(calls, found)
-        except (ValueError, RuntimeError, MemoryError, Cancelled) as error:
-            shown = {"stale": True, "status": "", "reason": str(error) or "cancelled"}
+        except Exception as error:
+            shown = {"stale": True, "status": "", "reason": said(error)}
         with self.state:
             self.state.update({**shown, "busy": "", "answered": asked, "requested_stale": True})
 
@@ -191,9 +191,9 @@ class Page:
                     self.state.update({"surveyed": drawn, "busy": ""})
                 return True
             return await self._follow() if self.state.view_trace else False
-        except (ValueError, RuntimeError, Cancelled) as error:
+        except Exception as error:
             with self.state:
-                self.state.update({"notice": str(error) or "cancelled", "busy": ""})
+                self.state.update({"notice": said(error), "busy": ""})
             return False
 
     @property
@@ -206,6 +206,8 @@ class Page:
         control = next((own for own in self.subject.controls if own.key == self.state.trace_key), None)
         if control is None or self.state[control.name] is None:
             return False
+        if control.key in self.subject.alternatives and control.key != self.state[CHOSEN]:
+            return False  # a load that is not the given one changes nothing
         values = {name: self.state[name] for name in self.subject.initial}
         now = float(values[control.name])
         key = repr((control.key, self.state.trace_of, {**values, control.name: None}))
@@ -230,8 +232,8 @@ class Page:
             found = await self._timed(BESIDE[name], job)
             shown: Any = found if name == "bodies" else found["panels"]
             update: dict[str, Any] = {"requested": {**self.state.requested, name: shown}, "requested_stale": False}
-        except (ValueError, RuntimeError, ImportError, Cancelled) as error:
-            update = {"notice": str(error) or "cancelled"}
+        except Exception as error:
+            update = {"notice": said(error)}
         with self.state:
             self.state.update({**update, "busy": ""})
 
@@ -254,3 +256,10 @@ class Page:
 
     def _message(self, text: str) -> None:
         self._job = text
+
+
+def said(error: Exception) -> str:
+    """Text of an error for the page, with its type where that is not one of refused arguments."""
+    if isinstance(error, Cancelled):
+        return "cancelled"
+    return str(error) if isinstance(error, ValueError | ImportError) else f"{type(error).__name__}: {error}"

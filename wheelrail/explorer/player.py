@@ -12,7 +12,7 @@ from trame_vuetify.ui.vuetify3 import VAppLayout
 from trame_vuetify.widgets import vuetify3 as v
 
 from wheelrail.explorer import jobs
-from wheelrail.explorer.engine import Cancelled, Latest, Worker
+from wheelrail.explorer.engine import Latest, Worker
 from wheelrail.explorer.layout import STYLE, Drop, Pictures, notice
 from wheelrail.explorer.run_views import CURVES, FIRST_CURVES, Curves, largest, patch_panels
 from wheelrail.scenes.datasets.run_file import read_run
@@ -42,7 +42,13 @@ class Player:
         self.state.update(
             {
                 **{f"view_{name}": name in FIRST_CURVES for name in self.names},
-                **{"view_patches": True, "view_vehicle": True, "sample": 0, "wheelset": 0, "jump_to": self.names[0]},
+                **{
+                    "view_patches": True,
+                    "view_vehicle": True,
+                    "sample": 0,
+                    "wheelset": 0,
+                    "jump_to": next(iter(self.names), ""),
+                },
                 **{
                     "curves": [],
                     "patches": [],
@@ -63,7 +69,7 @@ class Player:
         """Move to the largest absolute value of the chosen quantity."""
         try:
             self.state.sample, self.state.wheelset = largest(self.data, self.state.jump_to)
-        except ValueError as error:
+        except (KeyError, ValueError) as error:
             self.state.notice = str(error)
 
     def play(self) -> None:
@@ -123,7 +129,7 @@ class Player:
         try:
             picture = await self.painter.run(jobs.frame, str(self.file), float(self.data["time"].values[sample]))
             update = {"picture": picture, "painted": sample}
-        except (ValueError, RuntimeError, ImportError, OSError, Cancelled) as error:
+        except Exception as error:
             update = {"notice": f"no picture of the vehicle: {error}", "view_vehicle": False}
         with self.state:
             self.state.update(update)
