@@ -77,7 +77,7 @@ def test_numbers_of_the_page_are_those_of_the_api(tab: Tab, page: Any, contact: 
     shown = get(tab, "values")
     assert [shown[name] for name in FORCES] == [found[name].values.tolist() for name in FORCES]
     assert page.solution().data["pressure"].values.tolist() == found["pressure"].values.tolist()
-    drawn = [panel for panel in get(tab, "panels") if panel["view"] == "pressure"]
+    drawn = [panel for panel in json.loads(get(tab, "panels")) if panel["view"] == "pressure"]
     assert len(drawn) == int(found["patches"].sum())
     space: dict[str, Any] = {}
     exec(get(tab, "python"), space)
@@ -125,18 +125,18 @@ def test_unusual_values_are_said(tab: Tab) -> None:
 
 def test_views_that_are_off_cost_nothing(tab: Tab) -> None:
     move(tab, view_pressure=False, view_closeup=False)
-    assert {panel["view"] for panel in get(tab, "panels")} == {"forces"}
+    assert {panel["view"] for panel in json.loads(get(tab, "panels"))} == {"forces"}
     move(tab, view_pressure=True, view_closeup=True)
 
 
 def test_geometry_and_traces_follow(tab: Tab, contact: wr.Wheelset) -> None:
     move(tab, view_geometry=True, at_y=2.0)
-    wait(tab, "get('surveyed').length === 2")
-    difference = np.array(get(tab, "surveyed")[0]["drawing"]["layers"][0]["points"])
+    wait(tab, "get('surveyed')")
+    difference = np.array(json.loads(get(tab, "surveyed"))[0]["drawing"]["layers"][0]["points"])
     expected = wr.contact_geometry(y=[2e-3])["rolling_radius_difference"].item()
     assert np.interp(2.0, *difference.T) == pytest.approx(1e3 * expected, rel=1e-3)
     move(tab, view_geometry=False, view_trace=True, trace_of="lateral_force", trace_key="yaw")
-    layers = "get('tracing')[0]?.drawing.layers[0].points.filter(at => at !== null)"
+    layers = "JSON.parse(get('tracing'))[0]?.drawing.layers[0].points.filter(at => at !== null)"
     wait(tab, f"{layers}.length === 41", 120.0)
     at, force = np.array(tab.value(f"(() => {{ {STATE} {layers} }})()")).T
     found = contact.solve(y=2e-3, yaw=1e-3 * at[24]).data["lateral_force"].values[0]
@@ -215,6 +215,57 @@ def test_page_closed_during_a_solve(chromium: Browser, tab: Tab, page: Any) -> N
     chromium.tabs.remove(other)
     wait(tab, "get('at_strips') === 30")
     wait(tab, READY)
+
+
+def test_stress_of_a_hertz_pair_on_request(chromium: Browser) -> None:
+    pair = wr.Hertz((0.5, 0.5), (float("inf"), float("inf")), load=1e4, friction=0.0, strips=12, cells=14)
+    explorer = wr.explore(pair)
+    try:
+        own = chromium.tab()
+        own.open(explorer.url)
+        wait(own, "get('answered') === 0 && !get('busy')")
+        move(own, view_stress=True)
+        own.value("document.querySelector('.wr-request-stress').click()")
+        wait(own, "get('stress') && !get('busy')", 120.0)
+        (panel,) = json.loads(get(own, "stress"))
+        stress, depth = np.array(panel["drawing"]["layers"][0]["points"]).T
+        exact = pair.closed_form(load=1e4)
+        assert stress.max() == pytest.approx(0.62e-6 * exact.peak, rel=0.02)  # of a circle, nu = 0.3
+        assert -depth[stress.argmax()] == pytest.approx(0.48e3 * exact.semi_axes[0], rel=0.25)  # among 24 depths
+        assert not get(own, "requested_stale")
+        move(own, at_load=12.0)
+        assert get(own, "requested_stale")
+        assert own.errors == []
+    finally:
+        explorer.close()
+
+
+def test_a_run_is_played(chromium: Browser, tmp_path: Path) -> None:
+    scene = Path(wr.__file__).parents[1] / "scenes" / "curve.toml"
+    lengths = {"track.tangent": 5.0, "track.transition_length": 10.0, "track.curve": 5.0}
+    changes = {"model": "standard", "strips": None, "cells": None, **lengths}
+    wr.run(scene, tmp_path, **changes)
+    explorer = wr.explore(tmp_path)
+    try:
+        own = chromium.tab()
+        own.open(explorer.url)
+        wait(own, "get('curves') && get('painted') === 0")
+        own.value("window.trame.state.set('jump_to', 'lateral_force')")
+        own.value("document.querySelector('.wr-jump').click()")
+        data = wr.open(tmp_path / "run.nc").data
+        force = np.abs(data["lateral_force"]).transpose("time", "wheelset", "side").values
+        sample = int(np.unravel_index(force.argmax(), force.shape)[0])
+        wait(own, f"get('drawn') === {sample} && get('painted') === {sample}")
+        panels = json.loads(get(own, "patches"))
+        load = data["patch_normal_force"].isel(time=sample).sum().item()
+        shown = sum(float(layer["label"].split()[0]) for panel in panels for layer in panel["drawing"]["layers"])
+        assert shown == pytest.approx(1e-3 * load, rel=1e-3)
+        own.value("window.trame.state.set('sample', 0)")
+        own.value("document.querySelector('.wr-play').click()")
+        wait(own, f"get('sample') === {data.sizes['time'] - 1} && !get('playing')")
+        assert own.errors == []
+    finally:
+        explorer.close()
 
 
 def test_nobody_without_the_token_is_answered(page: Any, chromium: Browser) -> None:

@@ -129,11 +129,11 @@ def trace(calls: Calls, quantity: str) -> dict[str, float]:
         return {}
 
 
-def geometry(calls: Calls) -> list[dict[str, Any]]:
+def geometry(calls: Calls) -> str:
     """Pictures of the contact geometry, with the present place."""
     from wheelrail.api.contact_geometry import contact_geometry
     from wheelrail.explorer.subject import with_profiles
-    from wheelrail.explorer.views import geometry_panels
+    from wheelrail.explorer.views import as_text, geometry_panels
 
     own = {key: value for key, value in calls.contact.items() if key in GEOMETRY}
     for side in {"left", "right"} & calls.contact.keys():
@@ -142,7 +142,7 @@ def geometry(calls: Calls) -> list[dict[str, Any]]:
     if key not in Kept.geometries:
         Kept.geometries[key] = contact_geometry(**with_profiles(own, Kept.profiles))
         _forget(Kept.geometries)
-    return [panel.plain() for panel in geometry_panels(Kept.geometries[key], calls.solve.get("y", 0.0))]
+    return as_text(geometry_panels(Kept.geometries[key], calls.solve.get("y", 0.0)))
 
 
 def _solution(calls: Calls) -> Solution:
@@ -161,6 +161,7 @@ def _forget(kept: OrderedDict[str, Any]) -> None:
 
 
 def _described(solution: Solution, drawn: Sequence[Panel], remarks: Sequence[str] = ()) -> dict[str, Any]:
+    from wheelrail.explorer.views import as_text
     from wheelrail.scenes.contacts.table import table as table_of
 
     data = solution.data
@@ -173,7 +174,7 @@ def _described(solution: Solution, drawn: Sequence[Panel], remarks: Sequence[str
             name: data[name].values.tolist() for name in ("longitudinal_force", "lateral_force", "vertical_force")
         },
         "seconds": float(data["contact_seconds"].sum()),
-        "panels": [panel.plain() for panel in drawn],
+        "panels": as_text(drawn),
     }
 
 

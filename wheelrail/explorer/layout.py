@@ -60,15 +60,6 @@ class Page(Protocol):
     def request(self, name: str) -> Awaitable[None]: ...
 
 
-class Picture(AbstractElement):  # type: ignore[misc]
-    """Canvas of a drawing, see `browser/drawing.js`."""
-
-    def __init__(self, **kwargs: Any) -> None:
-        super().__init__("wr-drawing", **kwargs)
-        self._attr_names += ["drawing", "stale", "reason", "dark", "height"]
-        self._event_names += ["pick"]
-
-
 class Drop(AbstractElement):  # type: ignore[misc]
     """Target of files that are dropped on the page, its theme and keys, see `browser/page.js`."""
 
@@ -79,12 +70,33 @@ class Drop(AbstractElement):  # type: ignore[misc]
 
 
 class Pictures(AbstractElement):  # type: ignore[misc]
-    """Pictures of the panels in a variable of the state, see `browser/page.js`."""
+    """Pictures of the panels in a variable of the state, see `browser/page.js`, greyed while another one is true."""
 
-    def __init__(self, name: str, **kwargs: Any) -> None:
-        super().__init__("wr-pictures", name=name, picks=("true" if "pick" in kwargs else "false",), **kwargs)
-        self._attr_names += ["name", "picks"]
+    def __init__(self, name: str, stale: str = "stale", **kwargs: Any) -> None:
+        picks = ("true" if "pick" in kwargs else "false",)
+        super().__init__("wr-pictures", name=name, stale=stale, picks=picks, **kwargs)
+        self._attr_names += ["name", "stale", "picks"]
         self._event_names += ["pick"]
+
+
+class Slider(AbstractElement):  # type: ignore[misc]
+    """Slider and field of a control, see `browser/page.js`; of a given variable shown while that has a value."""
+
+    def __init__(self, control: Control, variable: str, value: str) -> None:
+        low, high, step = (repr(float(own)) for own in (control.low, control.high, control.step))
+        super().__init__(
+            "wr-slider",
+            name=control.name,
+            label=control.label,
+            unit=control.unit or "1",
+            low=(low,),
+            high=(high,),
+            step=(step,),
+            text=(str(control.text).lower(),),
+            variable=variable,
+            value=value,
+        )
+        self._attr_names += ["name", "label", "unit", "low", "high", "step", "text", "variable", "value"]
 
 
 class Follower(AbstractElement):  # type: ignore[misc]
@@ -161,40 +173,20 @@ def notice() -> None:
 
 
 def _control(page: Page, control: Control) -> None:
-    shown = f"{CHOSEN} == '{control.key}'" if control.key in page.subject.alternatives else None
-    with html.Div(classes="wr-control", **({"v_if": shown} if shown else {})):
-        if control.choices is not None:
-            items = (f"choices_{control.key}",) if control.key in ("wheel", "rail") else (repr(list(control.choices)),)
-            v.VSelect(
-                v_model=(control.name,),
-                items=items,
-                label=control.label,
-                density="compact",
-                hide_details=True,
-                variant="underlined",
-            )
-            return
-        html.Div(f"{control.label} [{control.unit or '1'}]", classes="wr-label")
-        with html.Div(classes="wr-row"):
-            number = {"type": "number", "step": control.step, "min": control.low, "max": control.high}
-            if not control.text:
-                v.VSlider(
-                    v_model=(control.name,),
-                    min=control.low,
-                    max=control.high,
-                    step=control.step,
-                    density="compact",
-                    hide_details=True,
-                    aria_label=control.label,
-                )
-            with html.Div(classes="wr-text" if control.text else "wr-number"):
-                typed = "$event.target.value" if control.text else "$event.target.value && Number($event.target.value)"
-                html.Input(
-                    value=(control.name,),
-                    change=f"{control.name} = {typed}",
-                    aria_label=control.label,
-                    raw_attrs=[] if control.text else [f'{key}="{value}"' for key, value in number.items()],
-                )
+    if control.choices is None:
+        given = (CHOSEN, control.key) if control.key in page.subject.alternatives else ("", "")
+        Slider(control, *given)
+        return
+    items = (f"choices_{control.key}",) if control.key in ("wheel", "rail") else (repr(list(control.choices)),)
+    with html.Div(classes="wr-control"):
+        v.VSelect(
+            v_model=(control.name,),
+            items=items,
+            label=control.label,
+            density="compact",
+            hide_details=True,
+            variant="underlined",
+        )
 
 
 def _alternatives(page: Page) -> None:
@@ -242,13 +234,10 @@ def _requested(page: Page) -> None:
                 disabled=("!!busy || stale",),
                 classes=f"wr-request-{name}",
             )
-            html.Span(
-                "not of the present place", v_if=f"requested_stale && requested.{name}.length", classes="text-caption"
-            )
+            html.Span("not of the present place", v_if=f"requested_stale && {name}.length", classes="text-caption")
             if name == "stress":
-                with html.Div(v_for="(panel, index) in requested.stress", key="index"):
-                    Picture(drawing=("panel.drawing",), stale=("requested_stale",), dark=("dark",))
+                Pictures(name, stale="requested_stale")
             else:
-                with html.Div(v_for="(view, index) in requested.bodies", key="index"):
+                with html.Div(v_for=f"(view, index) in {name}", key="index"):
                     html.Div("{{ view[0] }}", classes="text-caption")
                     html.Iframe(srcdoc=("view[1]",), raw_attrs=['sandbox="allow-scripts"'])

@@ -15,7 +15,7 @@ from wheelrail.explorer.engine import Cancelled, Latest, Worker
 from wheelrail.explorer.layout import draw_layout
 from wheelrail.explorer.subject import CHOSEN, Calls, Subject
 from wheelrail.explorer.trace import Trace
-from wheelrail.explorer.views import BESIDE, DRAWN
+from wheelrail.explorer.views import BESIDE, DRAWN, as_text
 
 LARGEST = 10_000_000  # bytes of a dropped file
 PAUSE, SHOWN_AFTER = 0.3, 0.4  # s: until work that nobody asked for begins; until a text says that something is solved
@@ -56,10 +56,11 @@ class Page:
             {
                 **moved,
                 **{f"choices_{own.key}": list(own.choices or ()) for own in self.subject.controls},
-                "panels": [],
-                "tracing": [],
-                "surveyed": [],
-                "requested": {name: [] for name in ON_REQUEST},
+                "panels": "",
+                "tracing": "",
+                "surveyed": "",
+                "stress": "",
+                "bodies": [],
                 "requested_stale": False,
                 "table": {"head": [], "rows": []},
                 "values": {},
@@ -219,7 +220,7 @@ class Page:
             trace.put(await self.worker.run(jobs.trace, at, trace.quantity))
         if trace.values and (place is None or trace.due):
             with self.state:
-                self.state.tracing = [trace.panel(now).plain()]
+                self.state.tracing = as_text([trace.panel(now)])
         return place is not None
 
     async def request(self, name: str) -> None:
@@ -231,7 +232,7 @@ class Page:
             job = self.beside.run(ON_REQUEST[name], *arguments)
             found = await self._timed(BESIDE[name], job)
             shown: Any = found if name == "bodies" else found["panels"]
-            update: dict[str, Any] = {"requested": {**self.state.requested, name: shown}, "requested_stale": False}
+            update: dict[str, Any] = {name: shown, "requested_stale": False}
         except Exception as error:
             update = {"notice": said(error)}
         with self.state:

@@ -15,6 +15,7 @@ from wheelrail.explorer import jobs
 from wheelrail.explorer.engine import Latest, Worker
 from wheelrail.explorer.layout import STYLE, Drop, Pictures, notice
 from wheelrail.explorer.run_views import CURVES, FIRST_CURVES, Curves, largest, patch_panels
+from wheelrail.explorer.views import as_text
 from wheelrail.scenes.datasets.run_file import read_run
 from wheelrail.scenes.quantities import RUN
 
@@ -50,8 +51,8 @@ class Player:
                     "jump_to": next(iter(self.names), ""),
                 },
                 **{
-                    "curves": [],
-                    "patches": [],
+                    "curves": "",
+                    "patches": "",
                     "picture": "",
                     "place": "",
                     "notice": "",
@@ -115,8 +116,8 @@ class Player:
         with self.state:
             self.state.update(
                 {
-                    "curves": [panel.plain() for panel in curves],
-                    "patches": [panel.plain() for panel in patches],
+                    "curves": as_text(curves),
+                    "patches": as_text(patches),
                     "place": place,
                     "drawn": sample,
                 }

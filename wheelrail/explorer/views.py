@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -76,6 +77,11 @@ class Panel:
     def plain(self) -> dict[str, Any]:
         """Values for a browser."""
         return {"view": self.view, "side": self.side, "drawing": self.drawing.plain()}
+
+
+def as_text(panels: Iterable[Panel]) -> str:
+    """Panels for a browser, as JSON."""
+    return json.dumps([panel.plain() for panel in panels])
 
 
 def panels(data: Dataset, views: Sequence[str]) -> list[Panel]:

@@ -21,11 +21,17 @@ window.wheelrail_page = (() => {
   }
   const variable = name => () => name;
 
+  // Panels come as a text: the client of the state would look into every number otherwise.
+  function parsed(self, text) {
+    if (self.text !== text) [self.text, self.panels] = [text, text ? JSON.parse(text) : []];
+    return self.panels;
+  }
+
   const pictures = following(
-    [self => self.name, variable("stale"), variable("reason"), variable("dark")],
-    { name: String, picks: Boolean },
+    [self => self.name, self => self.stale, variable("reason"), variable("dark")],
+    { name: String, stale: String, picks: Boolean },
     ["pick"],
-    (self, panels, stale, reason, dark) => h("div", { style: "display: contents" }, (panels ?? []).map((panel, index) =>
+    (self, panels, stale, reason, dark) => h("div", { style: "display: contents" }, parsed(self, panels).map((panel, index) =>
       h("div", { class: ["wr-view", `wr-${panel.view}`], key: `${panel.view} ${panel.side} ${index}` },
         h(window.Vue.resolveComponent("wr-drawing"), {
           drawing: panel.drawing,
@@ -43,6 +49,28 @@ window.wheelrail_page = (() => {
   const status = following(["busy", "reason", "status", "seconds"].map(variable), {}, [], (_, busy, reason, said, seconds) =>
     h("span", { class: "wr-status text-body-2", "aria-live": "polite" },
       busy || reason || (said ? `${said}, ${(1e3 * seconds).toFixed(0)} ms` : "")));
+
+  const slider = following(
+    [self => self.name, self => self.variable || self.name],
+    { name: String, label: String, unit: String, low: Number, high: Number, step: Number, text: Boolean,
+      variable: String, value: String },
+    [],
+    (self, now, chosen) => {
+      const { label, low: min, high: max, step } = self, set = value => self.trame.state.set(self.name, value);
+      if (self.variable && chosen !== self.value) return h("div", { style: "display: none" });
+      const bar = self.text ? null : h(window.Vue.resolveComponent("v-slider"), {
+        modelValue: Number(now), min, max, step, density: "compact", hideDetails: true, "aria-label": label,
+        "onUpdate:modelValue": set,
+      });
+      const field = h("input", {
+        value: now, "aria-label": label, ...(self.text ? {} : { type: "number", min, max, step }),
+        onChange: ({ target: { value } }) => set(self.text ? value : value && Number(value)),
+      });
+      return h("div", { class: "wr-control" }, [
+        h("div", { class: "wr-label" }, `${label} [${self.unit}]`),
+        h("div", { class: "wr-row" }, [bar, h("div", { class: self.text ? "wr-text" : "wr-number" }, [field])]),
+      ]);
+    });
 
   const drop = {
     props: { largest: { type: Number, default: 1e7 }, picks: Boolean },
@@ -93,6 +121,6 @@ window.wheelrail_page = (() => {
     },
   };
 
-  const components = { "wr-pictures": pictures, "wr-table": table, "wr-status": status, "wr-drop": drop };
+  const components = { "wr-pictures": pictures, "wr-table": table, "wr-status": status, "wr-slider": slider, "wr-drop": drop };
   return { install: app => Object.entries(components).forEach(([name, own]) => app.component(name, own)) };
 })();
