@@ -115,3 +115,10 @@ main()
 """
     done = done_with((), view, tmp_path)
     assert (done.returncode, done.stderr) == (1, '3D views need pyvista: pip install "wheelrail[view]"\n')
+
+
+def test_exploring_without_its_extra_is_one_line(tmp_path: Path) -> None:
+    explore = "import sys; from wheelrail.cli.entry import main; sys.argv = ['wheelrail', 'explore']; main()"
+    done = done_with((), explore, tmp_path)
+    message = 'explore needs trame and trame_vuetify: pip install "wheelrail[view]"\n'
+    assert (done.returncode, done.stderr) == (1, message)

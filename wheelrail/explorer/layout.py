@@ -2,24 +2,32 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, Protocol
-
-from trame_client.widgets import html
-from trame_client.widgets.core import AbstractElement
-from trame_client.widgets.trame import Style
-from trame_vuetify.ui.vuetify3 import VAppLayout
-from trame_vuetify.widgets import vuetify3 as v
 
 from wheelrail.explorer.subject import CHOSEN
 from wheelrail.explorer.views import BESIDE, DRAWN, TRACED
 
 if TYPE_CHECKING:
-    from collections.abc import Awaitable
+    from collections.abc import Awaitable, Sequence
 
     from wheelrail.explorer.controls import Control
     from wheelrail.explorer.subject import Subject
 
+
+class Late:
+    """A module of an extra, imported when a page is made."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __getattr__(self, attribute: str) -> Any:
+        return getattr(import_module(self.name), attribute)
+
+
+core, html, trame = (Late(f"trame_client.widgets.{name}") for name in ("core", "html", "trame"))
+v, ui = (Late(f"trame_vuetify.{folder}.vuetify3") for folder in ("widgets", "ui"))
 STYLE = """
 .v-slider *, .v-slider-thumb, .v-slider-track__fill { transition: none !important; }
 .wr-views { columns: 380px; column-gap: 8px; padding: 8px; }
@@ -60,56 +68,52 @@ class Page(Protocol):
     def request(self, name: str) -> Awaitable[None]: ...
 
 
-class Drop(AbstractElement):  # type: ignore[misc]
-    """Target of files that are dropped on the page, its theme and keys, see `browser/page.js`."""
+def element(tag: str, attributes: Sequence[str] = (), events: Sequence[str] = (), **values: Any) -> Any:
+    """A component of `browser/page.js` on the page.
 
-    def __init__(self, **kwargs: Any) -> None:
-        super().__init__("wr-drop", **kwargs)
-        self._attr_names += ["largest", "picks"]
-        self._event_names += ["file", "dark", "reset"]
-
-
-class Pictures(AbstractElement):  # type: ignore[misc]
-    """Pictures of the panels in a variable of the state, see `browser/page.js`, greyed while another one is true."""
-
-    def __init__(self, name: str, stale: str = "stale", **kwargs: Any) -> None:
-        picks = ("true" if "pick" in kwargs else "false",)
-        super().__init__("wr-pictures", name=name, stale=stale, picks=picks, **kwargs)
-        self._attr_names += ["name", "stale", "picks"]
-        self._event_names += ["pick"]
+    Parameters:
+        tag: its name.
+        attributes, events: names of its own.
+        values: of both.
+    """
+    made = core.AbstractElement(tag, **values)
+    made._attr_names += attributes
+    made._event_names += events
+    return made
 
 
-class Slider(AbstractElement):  # type: ignore[misc]
-    """Slider and field of a control, see `browser/page.js`; of a given variable shown while that has a value."""
-
-    def __init__(self, control: Control, variable: str, value: str) -> None:
-        low, high, step = (repr(float(own)) for own in (control.low, control.high, control.step))
-        super().__init__(
-            "wr-slider",
-            name=control.name,
-            label=control.label,
-            unit=control.unit or "1",
-            low=(low,),
-            high=(high,),
-            step=(step,),
-            text=(str(control.text).lower(),),
-            variable=variable,
-            value=value,
-        )
-        self._attr_names += ["name", "label", "unit", "low", "high", "step", "text", "variable", "value"]
+def drop(**values: Any) -> None:
+    """Target of files that are dropped on the page, its theme and keys."""
+    element("wr-drop", ("largest", "picks"), ("file", "dark", "reset"), **values)
 
 
-class Follower(AbstractElement):  # type: ignore[misc]
-    """A component of `browser/page.js` without arguments."""
+def pictures(name: str, stale: str = "stale", **values: Any) -> None:
+    """Pictures of the panels in a variable of the state, greyed while another one is true."""
+    picks = ("true" if "pick" in values else "false",)
+    element("wr-pictures", ("name", "stale", "picks"), ("pick",), name=name, stale=stale, picks=picks, **values)
+
+
+def slider(control: Control, variable: str, value: str) -> None:
+    """Slider and field of a control; of a given variable shown while that has a value."""
+    values: dict[str, Any] = {
+        "name": control.name,
+        "label": control.label,
+        "unit": control.unit or "1",
+        **{name: (repr(float(getattr(control, name))),) for name in ("low", "high", "step")},
+        "text": (str(control.text).lower(),),
+        "variable": variable,
+        "value": value,
+    }
+    element("wr-slider", tuple(values), **values)
 
 
 def draw_layout(page: Page) -> None:
     """Build the page."""
-    with VAppLayout(page.server, theme=("dark ? 'dark' : 'light'",)) as layout:
-        Style(STYLE)
+    with ui.VAppLayout(page.server, theme=("dark ? 'dark' : 'light'",)) as layout:
+        trame.Style(STYLE)
         with v.VAppBar(density="compact"):
             v.VAppBarNavIcon(click="drawer = !drawer", aria_label="controls")
-            Follower("wr-status")
+            element("wr-status")
             v.VProgressCircular(v_if="busy", indeterminate=True, size=18, width=2, classes="ml-2")
             v.VBtn("cancel", v_if="busy", click=page.cancel, size="small", classes="wr-cancel")
             v.VSpacer()
@@ -125,9 +129,9 @@ def draw_layout(page: Page) -> None:
                 for control in controls:
                     _control(page, control)
                 if group == "profiles":
-                    Drop(file=(page.drop, "[$event]"), dark="dark = $event", reset=page.reset, picks=("true",))
+                    drop(file=(page.drop, "[$event]"), dark="dark = $event", reset=page.reset, picks=("true",))
             if page.subject.kind != "wheelset":
-                Drop(v_show="false", dark="dark = $event", reset=page.reset)
+                drop(v_show="false", dark="dark = $event", reset=page.reset)
             html.Div("views", classes="text-subtitle-2 px-3 pt-3")
             for name, text in {**DRAWN, **BESIDE}.items():
                 if page.has_view(name):
@@ -137,13 +141,13 @@ def draw_layout(page: Page) -> None:
         with v.VMain():
             notice()
             with html.Div(classes="wr-views"):
-                Pictures("panels")
+                pictures("panels")
                 if page.has_view("geometry"):
-                    Pictures("surveyed", v_show="view_geometry", pick=(page.survey, "[$event]"))
+                    pictures("surveyed", v_show="view_geometry", pick=(page.survey, "[$event]"))
                 _trace(page)
                 _requested(page)
             with html.Div(classes="px-2 wr-table"):
-                Follower("wr-table")
+                element("wr-table")
         with v.VDialog(v_model=("dialog", False), max_width=760), v.VCard():
             with v.VCardText():
                 html.Div("{{ shown_text }}", classes="wr-code")
@@ -175,7 +179,7 @@ def notice() -> None:
 def _control(page: Page, control: Control) -> None:
     if control.choices is None:
         given = (CHOSEN, control.key) if control.key in page.subject.alternatives else ("", "")
-        Slider(control, *given)
+        slider(control, *given)
         return
     items = (f"choices_{control.key}",) if control.key in ("wheel", "rail") else (repr(list(control.choices)),)
     with html.Div(classes="wr-control"):
@@ -220,7 +224,7 @@ def _trace(page: Page) -> None:
                     hide_details=True,
                     variant="underlined",
                 )
-        Pictures("tracing", pick=(page.follow, "[$event]"))
+        pictures("tracing", pick=(page.follow, "[$event]"))
 
 
 def _requested(page: Page) -> None:
@@ -236,7 +240,7 @@ def _requested(page: Page) -> None:
             )
             html.Span("not of the present place", v_if=f"requested_stale && {name}.length", classes="text-caption")
             if name == "stress":
-                Pictures(name, stale="requested_stale")
+                pictures(name, stale="requested_stale")
             else:
                 with html.Div(v_for=f"(view, index) in {name}", key="index"):
                     html.Div("{{ view[0] }}", classes="text-caption")

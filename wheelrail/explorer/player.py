@@ -6,14 +6,9 @@ import asyncio
 from pathlib import Path
 from typing import Any
 
-from trame_client.widgets import html
-from trame_client.widgets.trame import Style
-from trame_vuetify.ui.vuetify3 import VAppLayout
-from trame_vuetify.widgets import vuetify3 as v
-
 from wheelrail.explorer import jobs
 from wheelrail.explorer.engine import Latest, Worker
-from wheelrail.explorer.layout import STYLE, Drop, Pictures, notice
+from wheelrail.explorer.layout import STYLE, drop, html, notice, pictures, trame, ui, v
 from wheelrail.explorer.run_views import CURVES, FIRST_CURVES, Curves, largest, patch_panels
 from wheelrail.explorer.views import as_text
 from wheelrail.scenes.datasets.run_file import read_run
@@ -141,8 +136,8 @@ class Player:
     def _layout(self) -> None:
         wheelsets = [{"title": str(name), "value": k} for k, name in enumerate(self.data["wheelset"].values)]
         quantities = [{"title": RUN[name].title, "value": name} for name in self.names]
-        with VAppLayout(self.server, theme=("dark ? 'dark' : 'light'",)) as layout:
-            Style(STYLE)
+        with ui.VAppLayout(self.server, theme=("dark ? 'dark' : 'light'",)) as layout:
+            trame.Style(STYLE)
             with v.VAppBar(density="compact"):
                 v.VBtn("{{ playing ? 'stop' : 'play' }}", click=self.play, size="small", classes="wr-play")
                 v.VSlider(
@@ -166,7 +161,7 @@ class Player:
                     )
                 v.VBtn("jump", click=self.jump, size="small", classes="wr-jump")
                 v.VBtn("{{ dark ? 'light' : 'dark' }}", click="dark = !dark", size="small")
-                Drop(v_show="false", dark="dark = $event")
+                drop(v_show="false", dark="dark = $event")
             with v.VMain():
                 notice()
                 with html.Div(classes="wr-row px-2"):
@@ -179,6 +174,6 @@ class Player:
                 with html.Div(classes="wr-views"):
                     with html.Div(v_if="view_vehicle && picture", classes="wr-view wr-vehicle"):
                         html.Img(src=("picture",), style="width: 100%", alt="vehicle on its track")
-                    Pictures("curves")
-                    Pictures("patches")
+                    pictures("curves")
+                    pictures("patches")
         layout.flush_content()
