@@ -14,11 +14,14 @@
 # %% [markdown]
 # # Explore
 #
-# A contact takes milliseconds, so that it can be moved by hand. The page below shows a wheelset on its rails: move it to
-# the left until the flange carries a part of the load, and see the second patch come, the tractions turn, and the forces
-# approach the friction bound.
+# A contact takes milliseconds, so that it can be moved by hand. The page below shows a wheelset on its rails: move it
+# to the left until the flange carries a part of the load, and see the second patch come, the tractions turn, and the
+# forces approach the friction bound.
 
 # %%
+import matplotlib.pyplot as plt
+import numpy as np
+
 import wheelrail as wr
 
 # %% tags=["parameters"]
@@ -26,17 +29,17 @@ RESOLUTION = {"strips": 8, "cells": 10}
 
 # %%
 page = wr.explore(wr.Wheelset(wheel="S1002", rail="60E1", friction=0.3, **RESOLUTION))
-page
+page  # noqa: B018
 
 # %% [markdown]
 # ## Take it along
 #
-# The page's *copy as Python* gives a program for what is seen. In a notebook the solution is at hand, solved with the same
-# arguments, to the last bit.
+# The page's *copy as Python* gives a program for what is seen. In a notebook the solution is at hand, solved with the
+# same arguments, to the last bit.
 
 # %%
 solution = page.solution()
-solution
+solution  # noqa: B018
 
 # %% [markdown]
 # Its tables and figures are those of every solution.
@@ -51,9 +54,6 @@ axes = solution.plot()
 # position, without the page.
 
 # %%
-import matplotlib.pyplot as plt
-import numpy as np
-
 wheelset = wr.Wheelset(wheel="S1002", rail="60E1", friction=0.3, **RESOLUTION)
 places = np.linspace(-6e-3, 6e-3, 9)
 forces = np.array([wheelset.solve(y=y).data["lateral_force"].values for y in places])
