@@ -30,7 +30,7 @@ class Worker:
         self.on_message = on_message
         self.profiles: dict[str, Profile] = {}
         self._process: WorkerProcess | None = None
-        self._cancelled = False
+        self._cancelled = self._busy = False
 
     def start(self) -> WorkerProcess:
         """The process, which is started unless one runs."""
@@ -49,7 +49,7 @@ class Worker:
 
     async def run(self, job: Callable[..., Any], *arguments: Any) -> Any:
         """Result of a job. Raises Cancelled, and what the job raises; RuntimeError where its process died."""
-        self._cancelled = False
+        self._cancelled, self._busy = False, True
         process = self.start()
         try:
             return await asyncio.wrap_future(process.submit(job, *arguments))
@@ -59,11 +59,14 @@ class Worker:
             if self._cancelled:
                 raise Cancelled from None
             raise RuntimeError("the process that computes ended, perhaps for want of memory") from None
+        finally:
+            self._busy = False
 
     def cancel(self) -> None:
-        """End the present job."""
-        self._cancelled = True
-        self.stop()
+        """End the present job, if there is one, with its process."""
+        if self._busy:
+            self._cancelled = True
+            self.stop()
 
     def stop(self) -> None:
         """End the process."""

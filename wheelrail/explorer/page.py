@@ -37,6 +37,7 @@ class Page:
         self.latest = Latest(self._serve, self._idle)
         self.folder = tempfile.TemporaryDirectory(prefix="wheelrail-explore-")
         self.calls: Calls | None = None
+        self._requested: Calls | None = None  # of the stress or the bodies on the page
         self._job = ""  # text of the present job
         self.trace: Trace | None = None
         self._traced = self._surveyed = ""  # what the trace and the contact geometry on the page are of
@@ -123,8 +124,8 @@ class Page:
         try:
             self._drop(name, str(file["kind"]), b64decode(file.get("content") or ""), int(file["size"]))
             self.state.notice = ""
-        except (ValueError, OSError) as error:
-            self.state.notice = str(error).replace(f"{self.folder.name}/", "")
+        except Exception as error:
+            self.state.notice = said(error).replace(f"{self.folder.name}/", "")
 
     def present(self) -> Calls:
         """Arguments of the present values. Raises ValueError for a text that is not a number."""
@@ -168,7 +169,7 @@ class Page:
         except Exception as error:
             shown = {"stale": True, "status": "", "reason": said(error)}
         with self.state:
-            self.state.update({**shown, "busy": "", "answered": asked, "requested_stale": True})
+            self.state.update({**shown, "busy": "", "answered": asked})
 
     def _shown(self, calls: Calls, found: dict[str, Any]) -> dict[str, Any]:
         """State after a solve; a failed one leaves the last pictures, greyed."""
@@ -176,7 +177,8 @@ class Page:
         texts = {"python": self.subject.python(calls), "scene": self.subject.scene(calls), "table": found["table"]}
         texts |= {"status": found["status"], "values": found["values"], "seconds": found["seconds"]}
         if not found["ok"]:
-            return {**texts, "stale": True, "reason": found["status"]}
+            return {**texts, "stale": True, "reason": found["status"], "requested_stale": True}
+        texts["requested_stale"] = calls != self._requested
         return {**texts, "stale": False, "reason": "", "panels": found["panels"]}
 
     async def _idle(self) -> bool:
@@ -227,12 +229,14 @@ class Page:
         """Compute the stress, or the deformed bodies in 3D, which takes seconds, beside the moves."""
         if self.calls is None:
             return
-        arguments = (self.calls, self.folder.name) if name == "bodies" else (self.calls,)
+        calls = self.calls
+        arguments = (calls, self.folder.name) if name == "bodies" else (calls,)
         try:
             job = self.beside.run(ON_REQUEST[name], *arguments)
             found = await self._timed(BESIDE[name], job)
             shown: Any = found if name == "bodies" else found["panels"]
-            update: dict[str, Any] = {name: shown, "requested_stale": False}
+            self._requested = calls
+            update: dict[str, Any] = {name: shown, "requested_stale": calls != self.calls}
         except Exception as error:
             update = {"notice": said(error)}
         with self.state:
