@@ -136,7 +136,8 @@ def invalid(constant: str) -> None:
 
 
 def test_every_command_is_here() -> None:
-    assert set(COMMANDS) == set(get_command(app).commands)  # type: ignore[attr-defined]
+    without_results = {"explore"}  # which serves a page until it is ended
+    assert set(COMMANDS) | without_results == set(get_command(app).commands)  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("command", COMMANDS)
