@@ -43,7 +43,6 @@ STYLE = """
 .wr-row .v-slider { flex: 1; } .wr-number { width: 84px; flex: none; }
 .wr-number input, .wr-text input { width: 100%; font-size: 13px; text-align: right; color: inherit;
   border: 1px solid rgba(128,128,128,0.5); border-radius: 3px; padding: 1px 4px; background: transparent; }
-.wr-stale { opacity: 0.45; }
 .wr-code { font: 12px monospace; white-space: pre-wrap; user-select: all; }
 .wr-pick { font-size: 12px; padding: 4px 12px; } .wr-pick label { display: block; }
 .wr-drop { position: fixed; inset: 0; z-index: 3000; display: flex; background: rgba(0, 60, 110, 0.55); }
@@ -163,6 +162,13 @@ def draw_layout(page: Page) -> None:
     layout.flush_content()
 
 
+def select(name: str, items: str | Sequence[Any], label: str, **more: Any) -> None:
+    """Choice of a variable of the state; items: values, or the name of a variable with them."""
+    known = items if isinstance(items, str) else repr(items)
+    look = {"density": "compact", "hide_details": True, "variant": "underlined"}
+    v.VSelect(v_model=(name,), items=(known,), label=label, **look, **more)
+
+
 def notice() -> None:
     """Message of the page, until a user closes one."""
     v.VAlert(
@@ -181,30 +187,16 @@ def _control(page: Page, control: Control) -> None:
         given = (CHOSEN, control.key) if control.key in page.subject.alternatives else ("", "")
         slider(control, *given)
         return
-    items = (f"choices_{control.key}",) if control.key in ("wheel", "rail") else (repr(list(control.choices)),)
+    items = f"choices_{control.key}" if control.key in ("wheel", "rail") else list(control.choices)
     with html.Div(classes="wr-control"):
-        v.VSelect(
-            v_model=(control.name,),
-            items=items,
-            label=control.label,
-            density="compact",
-            hide_details=True,
-            variant="underlined",
-        )
+        select(control.name, items, control.label)
 
 
 def _alternatives(page: Page) -> None:
     labels = {own.key: own.label for own in page.subject.controls_of_kind if own.key in page.subject.alternatives}
     items = [{"title": text, "value": key} for key, text in labels.items()]
     with html.Div(classes="wr-control"):
-        v.VSelect(
-            v_model=(CHOSEN,),
-            items=(repr(items),),
-            label="given",
-            density="compact",
-            hide_details=True,
-            variant="underlined",
-        )
+        select(CHOSEN, items, "given")
 
 
 def _trace(page: Page) -> None:
@@ -216,14 +208,7 @@ def _trace(page: Page) -> None:
     with html.Div(v_if="view_trace", classes="wr-view wr-trace"):
         with html.Div(classes="wr-row"):
             for name, items, label in (("trace_of", quantities, "quantity"), ("trace_key", sliders, "along")):
-                v.VSelect(
-                    v_model=(name,),
-                    items=(repr(items),),
-                    label=label,
-                    density="compact",
-                    hide_details=True,
-                    variant="underlined",
-                )
+                select(name, items, label)
         pictures("tracing", pick=(page.follow, "[$event]"))
 
 

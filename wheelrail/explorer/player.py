@@ -8,7 +8,7 @@ from typing import Any
 
 from wheelrail.explorer import jobs
 from wheelrail.explorer.engine import Latest, Worker
-from wheelrail.explorer.layout import STYLE, drop, html, notice, pictures, trame, ui, v
+from wheelrail.explorer.layout import STYLE, drop, html, notice, pictures, select, trame, ui, v
 from wheelrail.explorer.run_views import CURVES, FIRST_CURVES, Curves, largest, patch_panels
 from wheelrail.explorer.views import as_text
 from wheelrail.scenes.datasets.run_file import read_run
@@ -150,15 +150,7 @@ class Player:
                 )
                 html.Span("{{ place }}", classes="wr-status text-body-2 mr-3")
                 for name, items, label in (("jump_to", quantities, "largest"), ("wheelset", wheelsets, "wheelset")):
-                    v.VSelect(
-                        v_model=(name,),
-                        items=(repr(items),),
-                        label=label,
-                        density="compact",
-                        hide_details=True,
-                        variant="underlined",
-                        style="max-width: 220px",
-                    )
+                    select(name, items, label, style="max-width: 220px")
                 v.VBtn("jump", click=self.jump, size="small", classes="wr-jump")
                 v.VBtn("{{ dark ? 'light' : 'dark' }}", click="dark = !dark", size="small")
                 drop(v_show="false", dark="dark = $event")
