@@ -142,6 +142,8 @@ class Fields:
         sticks: (n,) mask; None unless the model itself distinguishes stick from slip.
         share: (n,) of the result that is that of the point's strips, where a contact lies between two widths of strips
             and fields are those of both; None: all of it.
+        wheel_s, rail_s: (n,) m, arc length on the profiles, as for `Patch` but of the undeformed bodies; for a Hertz
+            pair lateral positions.
     """
 
     node: Nodes
@@ -157,6 +159,8 @@ class Fields:
     displacement: Array
     sticks: Mask | None = field(default_factory=lambda: None)  # no class attribute: `LazyFields`
     share: Array | None = field(default_factory=lambda: None)
+    wheel_s: Array | None = field(default_factory=lambda: None)
+    rail_s: Array | None = field(default_factory=lambda: None)
 
     @property
     def width(self) -> Array:

@@ -74,6 +74,8 @@ def assemble_result(
             traction,
             slip,
             displacement,
+            wheel_s=points.wheel_place[:, 0],
+            rail_s=points.rail_place[:, 0],
         ),
         approach=approach,
         status="converged",

@@ -276,6 +276,10 @@ CONTACT = _shown(
         ),
         "point_side": Quantity(BY_POINT, "", "side of the point"),
         "point_patch": Quantity(BY_POINT, "1", "patch of the point, -1 for none"),
+        **{
+            f"point_{name}": Quantity(BY_POINT, "m", f"{PATCH[name].text}, of the undeformed body at the point", False)
+            for name in ("wheel_s", "rail_s")
+        },
         "position": Quantity(
             ("point", "axis"), "m", "position in the frame of the rail of the side: forward, left, up"
         ),

@@ -61,7 +61,7 @@ def _fields(done: LatticeResult) -> Fields:
         for part in fields(Fields)
         if part.name not in ("node", "sticks")
     }
-    return Fields(node=np.arange(len(whole["area"])), sticks=None, **whole)
+    return Fields(node=np.arange(len(whole["area"])), **whole)
 
 
 def _of_level(at: LatticeOutcome) -> Fields:
@@ -80,4 +80,6 @@ def _of_level(at: LatticeOutcome) -> Fields:
         traction=points.traction,
         slip=cells.slip,
         displacement=cells.displacement,
+        wheel_s=points.on_wheel[:, 0],
+        rail_s=points.on_rail[:, 0],
     )

@@ -46,6 +46,7 @@ class StripContacts:
 
     def fields(self) -> Fields:
         cells, n = self.cells, len(self.cells.area)
+        on_wheel, on_rail = self.surfaces.profiles(self.strips.s, self.point)
         return Fields(
             node=np.arange(n),
             patch=np.repeat(self.rank[self.strips.contact], self.count),
@@ -59,6 +60,8 @@ class StripContacts:
             slip=cells.slip,
             displacement=np.zeros((n, 3)),
             sticks=cells.sticks,
+            wheel_s=np.repeat(on_wheel[:, 0], self.count),
+            rail_s=np.repeat(on_rail[:, 0], self.count),
         )
 
     @cached_property

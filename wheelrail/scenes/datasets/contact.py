@@ -121,6 +121,10 @@ def _points(results: Mapping[str, ContactResult], laws: Mapping[str, ContactLaws
     if any(part.share is not None for part in own):
         shares = [np.ones(len(part.area)) if part.share is None else part.share for part in own]
         variables["share"] = np.concatenate(shares)
+    for name in ("wheel_s", "rail_s"):
+        places = [getattr(part, name) for part in own]
+        if places and all(place is not None for place in places):
+            variables[f"point_{name}"] = np.concatenate(places)
     return variables | {
         "point_side": sides.astype(str),
         "point_patch": np.concatenate([np.empty(0, dtype=int), *(part.patch for part in own)]),
