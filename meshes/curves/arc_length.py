@@ -123,12 +123,12 @@ def curve(sections: Sequence[CurveSegment]) -> Curve:
         if gap > TOLERANCE:
             width = 0.2 * float(min(np.ptp(first.knots), np.ptp(second.knots)))
             sections[i : i + 2] = bridged(sections[i], second, width, width)
-    lengths, coefficients = zip(*(_fit(section) for section in sections), strict=True)
+    lengths, coefficients = zip(*(fitted(section) for section in sections), strict=True)
     breaks = np.concatenate([[0.0], np.cumsum(np.concatenate(lengths))])
     return Curve(breaks, np.concatenate(coefficients, axis=1))
 
 
-def _fit(section: CurveSegment) -> tuple[Array, Complex]:
+def fitted(section: CurveSegment) -> tuple[Array, Complex]:
     """Lengths (m,) and coefficients (DEGREE + 1, m) of polynomials in the arc length from each piece's middle."""
     knots = section.knots
     for _ in range(12):

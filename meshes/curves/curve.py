@@ -216,3 +216,20 @@ class Curve:
 
 def _pair(z: Complex) -> Array:
     return np.stack([z.real, z.imag], axis=-1)
+
+
+def crossing(points: Array) -> tuple[int, int] | None:
+    """First pair of crossing segments of a polyline (n, 2); n (n - 1) / 2 tests, row by row, but of points in order."""
+    if (np.diff(points[:, 0]) > 0.0).all():
+        return None
+    p = points[:, 0] + 1j * points[:, 1]
+    a, d = p[:-1], np.diff(p)
+    for i in range(len(d) - 2):
+        b, e = a[i + 2 :], d[i + 2 :]
+        turn = (d[i].conjugate() * e).imag
+        turn[np.abs(turn) < 1e-9 * np.abs(d[i]) * np.abs(e)] = np.inf  # parallel: no crossing
+        u, v = ((b - a[i]).conj() * e).imag / turn, ((b - a[i]).conj() * d[i]).imag / turn
+        where = np.flatnonzero((u > 0.0) & (u < 1.0) & (v > 0.0) & (v < 1.0))
+        if len(where):
+            return i, i + 2 + int(where[0])
+    return None

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from wheelrail.meshes.curves.arc_length import CurveSegment, curve
 from wheelrail.meshes.curves.curve import Curve
 from wheelrail.meshes.profiles.measurement import Measurement
+from wheelrail.meshes.profiles.worn import worn
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import digest
 
@@ -100,6 +101,18 @@ class Profile(Curve):
         shift = -cmath.exp(1j * angle) * complex(*self.point(s))
         rotated = self.transformed(angle, shift, -s)
         return replace(rotated, placement=self.placement.then(angle, shift))
+
+    def worn(self, s: ArrayLike, removed_area: ArrayLike, name: str = "") -> Profile:
+        """This profile without the material of cells of its arc length, in the same frame.
+
+        Parameters:
+            s: (n + 1,) m, bounds of equal cells, as of `wheelrail.meshes.profiles.worn.cell_bounds`.
+            removed_area: (n,) m2 of the section, of each cell, not negative.
+            name: of the worn profile; by default this one's, worn.
+
+        Raises ValueError, as `wheelrail.meshes.profiles.worn.worn`.
+        """
+        return replace(worn(self, s, removed_area), name=name or f"{self.name}, worn")
 
     def gauge_offset(self, gauge: float, height: float) -> float:
         """Lateral position [m] of the rail's origin from the track's centre that gives the gauge [m].

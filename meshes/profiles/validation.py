@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wheelrail.meshes.curves.curve import crossing
 from wheelrail.meshes.profiles.formats import MAX_POINTS, MIN_POINTS, ProfileError, RawProfile
 from wheelrail.meshes.profiles.measurement import estimated_noise
 from wheelrail.meshes.profiles.profile import Kind
@@ -80,9 +81,9 @@ def checked(raw: RawProfile, kind: Kind) -> RawProfile:
         line = int(raw.lines[0])
         raise ProfileError(raw.path, line, f"{len(kept)} points more than {1e3 * CLOSE} mm apart", f"{MIN_POINTS}")
     apart = _thinned(raw.points, scatter)
-    crossing = _crossing(raw.points[apart])
-    if crossing is not None:
-        i, j = (apart[k] for k in crossing)
+    crossed = crossing(raw.points[apart])
+    if crossed is not None:
+        i, j = (apart[k] for k in crossed)
         raise _at(raw, i, f"starts a line that crosses the one from line {raw.lines[j]}", "a simple curve")
     return raw
 
@@ -192,20 +193,3 @@ def _thinned(points: Array, close: float) -> list[int]:
     if kept[-1] != len(points) - 1:
         kept[-1 if len(kept) > 1 else len(kept) :] = [len(points) - 1]
     return kept
-
-
-def _crossing(points: Array) -> tuple[int, int] | None:
-    """First pair of segments that cross; n (n - 1) / 2 tests, row by row, but of points in order."""
-    if (np.diff(points[:, 0]) > 0.0).all():
-        return None
-    p = points[:, 0] + 1j * points[:, 1]
-    a, d = p[:-1], np.diff(p)
-    for i in range(len(d) - 2):
-        b, e = a[i + 2 :], d[i + 2 :]
-        turn = (d[i].conjugate() * e).imag
-        turn[np.abs(turn) < 1e-9 * np.abs(d[i]) * np.abs(e)] = np.inf  # parallel: no crossing
-        u, v = ((b - a[i]).conj() * e).imag / turn, ((b - a[i]).conj() * d[i]).imag / turn
-        crossing = np.flatnonzero((u > 0.0) & (u < 1.0) & (v > 0.0) & (v < 1.0))
-        if len(crossing):
-            return i, i + 2 + int(crossing[0])
-    return None

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-from itertools import count, pairwise
+from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.interpolate import make_interp_spline
 
-from wheelrail.meshes.curves.arc_length import CurveSegment, curve
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
@@ -29,31 +27,8 @@ def worn_wheel() -> Profile:
     """S1002 after nine steps of a wear loop in curves: removed depth over arc length, `worn_profile.json`."""
     data, new = json.loads(Path(__file__).with_name("worn_profile.json").read_text()), named_profile("S1002")
     depths = 1e-6 * np.array(data["depth_um"])
-    edges = np.linspace(*new.s_range, len(depths) + 1)
-    removed = make_interp_spline(edges, np.concatenate([[0.0], np.cumsum(depths * np.diff(edges))]), k=5)
-    depth, slope = removed.derivative(1), removed.derivative(2)
-    inner = new.breaks[1:-1]
-    corners = inner[np.hypot(*(new.tangent(inner + 1e-12) - new.tangent(inner - 1e-12)).T) > 1e-13]
-    ends = np.concatenate([[new.breaks[0]], corners, [new.breaks[-1]]])
-
-    def part(a: float, b: float) -> CurveSegment:
-        def velocity(s: np.ndarray) -> np.ndarray:
-            s = np.clip(s, a + 1e-13, b - 1e-13)
-            tangent = new.tangent(s) @ [1, 1j]
-            return np.asarray(tangent * (1.0 - depth(s) * new.curvature(s)) - slope(s) * 1j * tangent)
-
-        def position(s: np.ndarray) -> np.ndarray:
-            at = np.clip(s, a + 1e-13, b - 1e-13)
-            surface = (new.point(at) - depth(at)[..., None] * new.normal(at)) @ [1, 1j]
-            return np.asarray(surface + (s - at) * velocity(s))
-
-        knots = np.union1d(new.breaks, edges[1:-1])
-        knots = knots[(knots > a + 1e-6) & (knots < b - 1e-6)]
-        return CurveSegment(position, velocity, np.concatenate([[a], knots, [b]]))
-
-    whole = curve([part(a, b) for a, b in pairwise(ends)])
-    raw = Profile(whole.breaks - 0.5 * whole.breaks[-1], whole.coefficients, "worn", "wheel")
-    return raw.transformed(0.0, 0.0, -float(raw.s_at_y(0.0)))
+    bounds = np.linspace(*new.s_range, len(depths) + 1)
+    return new.worn(bounds, depths * np.diff(bounds))
 
 
 def worn_vehicle() -> VehicleDynamics:
