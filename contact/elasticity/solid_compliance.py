@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.contact.elasticity.compliance import block_diagonal
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.extrusion import Solid
@@ -23,6 +24,8 @@ from wheelrail.support.cache import digest, load, store
 from wheelrail.support.terminal import ProgressTimer
 
 if TYPE_CHECKING:
+    import scipy.sparse as sp
+
     from wheelrail.contact.elasticity.solid_body import ElasticBody
     from wheelrail.support.arrays import Nodes
 
@@ -62,13 +65,18 @@ class SurfaceCompliance:
         self._filled = np.zeros((n, 3), dtype=bool)
 
     def block(self, nodes: Nodes, directions: Sequence[int] = ALL) -> Array:
-        """Symmetric compliance (d n, d n) [m/N], see `Compliance.block`."""
+        """Symmetric compliance (d n, d n) [m/N], see `Compliance.turned`."""
         with FILLING:
             for direction in directions:
                 if not self._filled[nodes, direction].all():
                     self._fill(nodes[~self._filled[nodes, direction]], direction)
         unknowns = (3 * nodes[:, None] + np.asarray(directions)).ravel()
         return np.asarray(self._matrix[unknowns[:, None], unknowns])
+
+    def turned(self, nodes: Nodes, directions: Sequence[int] = ALL) -> tuple[sp.csr_array, Array]:
+        """The block without a rotation, see `Compliance.turned`."""
+        block = self.block(nodes, directions)
+        return block_diagonal(np.ones((len(block), 1, 1))), block
 
     def _fill(self, nodes: Nodes, direction: int) -> None:
         row, line = np.divmod(nodes, self.shape[1])

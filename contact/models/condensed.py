@@ -37,7 +37,8 @@ def body_displacements(points: GridPoints, loads: Array, bodies: tuple[Complianc
     displacements = []
     for operators, body, sign in zip(pair_operators(points, 0, tangential=True), bodies, (1.0, -1.0), strict=True):
         forces = operators.displacement.T @ (sign * loads.T.ravel())
-        response = body.block(operators.nodes, operators.directions) @ forces
+        turn, matrix = body.turned(operators.nodes, operators.directions)
+        response = turn @ (matrix @ (turn.T @ forces))
         displacements.append((operators.displacement @ response).reshape(3, -1))
     wheel, rail = displacements
     return BodyDisplacements(wheel[1], rail[1], wheel[2])

@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.contact.elasticity.compliance import block_diagonal
 from wheelrail.contact.elasticity.solid_compliance import ALL
 from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, pair_indices
 from wheelrail.support.arrays import Array, Mask, Nodes
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 TILE = 16  # lines transformed together; a patch covers a few tiles
 
@@ -63,28 +68,31 @@ class WaveguideCompliance:
         return pair_indices(self.shape[1])
 
     def block(self, nodes: Nodes, directions: Sequence[int] = ALL) -> Array:
-        """Symmetric compliance (d n, d n) [m/N], see `Compliance.block`."""
+        """Symmetric compliance (d n, d n) [m/N], see `Compliance.turned`."""
+        turn, matrix = self.turned(nodes, directions)
+        return np.asarray(turn @ (turn @ matrix).T)
+
+    def turned(self, nodes: Nodes, directions: Sequence[int] = ALL) -> tuple[sp.csr_array, Array]:
+        """Compliance in the axes of the section at each node, see `Compliance.turned`."""
         nx, ns = self.shape
         row, line = np.divmod(nodes, ns)
         self._fill(np.unique(line // TILE))
         between = row[:, None] - row
         index = (line[:, None] * ns + line) * nx + np.abs(between)
         blocks = self._table.reshape(-1, 9).take(index.ravel(), axis=0).reshape(len(nodes), len(nodes), 3, 3)
-        if self.radius is not None or 0 in directions:
+        own = directions if self.radius is None else ALL
+        if 0 in own:
             # coupling of x with the other directions is odd in x
             blocks[:, :, 0, 1:] *= np.sign(between)[..., None]
             blocks[:, :, 1:, 0] *= np.sign(between)[..., None]
-        if self.radius is not None:
-            out = blocks.transpose(0, 2, 1, 3).reshape(3 * len(nodes), -1)
-            rotated = _rotated(_rotated(out, self._angle(row)).T, self._angle(row))
-            if len(directions) == 3:
-                return rotated
-            return rotated.reshape(len(nodes), 3, -1, 3)[:, directions][..., directions].reshape(
-                len(directions) * len(nodes), -1
-            )
-        if len(directions) < 3:
-            blocks = blocks[:, :, directions][..., directions]
-        return np.asarray(blocks.transpose(0, 2, 1, 3).reshape(len(directions) * len(nodes), -1))
+        if len(own) < 3:
+            blocks = blocks[:, :, own][..., own]
+        matrix = np.asarray(blocks.transpose(0, 2, 1, 3).reshape(len(own) * len(nodes), -1))
+        turns = np.tile(np.eye(3), (len(nodes), 1, 1))
+        if self.radius is not None:  # (x, y, z), the contact at the bottom, of (along the circle, y, outward)
+            c, s = np.cos(self._angle(row)), np.sin(self._angle(row))
+            turns[:, 0, 0], turns[:, 0, 2], turns[:, 2, 0], turns[:, 2, 2] = c, s, s, -c
+        return block_diagonal(turns[:, directions][..., own]), matrix
 
     def _angle(self, row: Nodes) -> Array:
         """Angle of rows about the axle, forward from straight below, rad."""
@@ -117,12 +125,3 @@ class WaveguideCompliance:
             reciprocal[..., 0, 1:] *= -1
             reciprocal[..., 1:, 0] *= -1
             self._table[second, first] = reciprocal
-
-
-def _rotated(rows: Array, angle: Array) -> Array:
-    """Rows (along the circle, y, outward) of every node rotated to (x, y, z), the contact at the bottom."""
-    c, s = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    out = rows.copy(order="C")
-    out[0::3] = c * rows[0::3] + s * rows[2::3]
-    out[2::3] = s * rows[0::3] - c * rows[2::3]
-    return out

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from wheelrail.contact.analytical.hertz import hertz, modulus
+from wheelrail.contact.elasticity.compliance import condense
 from wheelrail.contact.elasticity.waveguide.bodies import (
     GRADING,
     TOLERANCE,
@@ -22,6 +25,7 @@ from wheelrail.contact.elasticity.waveguide.bodies import (
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
 from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.elasticity.waveguide.spectrum import ComplianceSpectrum, pairs, sample
+from wheelrail.contact.geometry.contact_operators import ContactOperators
 from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, QuadricPair
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Twist
 from wheelrail.contact.laws.material import Material
@@ -309,6 +313,21 @@ def test_reciprocity() -> None:
             np.testing.assert_array_equal(matrix, whole.reshape(matrix.shape))
         row = (nx // 2) * ns + np.arange(ns)  # every line with every other: adjacent and far tiles
         assert np.linalg.eigvalsh(compliance.block(row))[0] > 0
+
+
+def test_forces_of_a_turned_wheel_are_condensed_in_few_matrices() -> None:
+    """At 1400 points of a grid of 1 mm each matrix has 160 MB."""
+    compliance, _ = bodies(4e-3, half_length=0.02)["wheel"]
+    nx, ns = compliance.shape
+    nodes = np.arange(nx * ns)[: 10 * ns]
+    coupling = ContactOperators(nodes, (0, 1, 2), sp.eye(3 * len(nodes), format="csr"), None)
+    expected = compliance.block(nodes)
+    tracemalloc.start()
+    displacement, _ = condense(coupling, compliance)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    np.testing.assert_allclose(displacement, expected, atol=1e-14 * expected.max())
+    assert peak < 3.0 * expected.nbytes, f"{peak / expected.nbytes:.2f}"
 
 
 @pytest.mark.parametrize("name", ["rail", "wheel"])
