@@ -63,6 +63,8 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.meshes.profiles.library",
         "wheelrail.meshes.profiles.named",
         "wheelrail.meshes.profiles.reader",
+        "wheelrail.meshes.profiles.worn",
+        "wheelrail.meshes.profiles.measures",
     ),
     "Meshes: bodies": (
         "wheelrail.meshes.bodies.outlines",

@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from wheelrail.meshes.profiles.formats import RawProfile
+from wheelrail.meshes.profiles.measures import FLANGE
 from wheelrail.meshes.profiles.profile import Kind
 from wheelrail.support.arrays import Array
 
 BACK_TIP = 30e-3  # m; with a flange tip closer than this to y = 0, y is measured from the flange's back
 TIP, TIP_TOLERANCE, TIP_NEAR = -55e-3, 8e-3, 16e-3  # m; usual position of the flange tip from the rolling circle
 NEAR_TIP = 3e-3  # m, distance from the highest point of points that determine the flange tip
-FLANGE = 12e-3  # m, least height of a flange above the tread
 FLAT = 2e-3  # m, height of a rail head below which its shape does not show which way is up
 WHOLE_RAIL = 80e-3  # m; a higher rail has its foot
 FLANK = (-34e-3, -14e-3)  # m, depths of the flanks of a rail head

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from wheelrail.meshes.curves.arc_length import CurveSegment, curve
 from wheelrail.meshes.curves.curve import Curve
 from wheelrail.meshes.profiles.measurement import Measurement
+from wheelrail.meshes.profiles.measures import RailMeasures, WheelMeasures, rail_measures, wheel_measures
 from wheelrail.meshes.profiles.worn import worn
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import digest
@@ -113,6 +114,34 @@ class Profile(Curve):
         Raises ValueError, as `wheelrail.meshes.profiles.worn.worn`.
         """
         return replace(worn(self, s, removed_area), name=name or f"{self.name}, worn")
+
+    def measures(
+        self, new: Profile | None = None, *, radius: float = 0.46, flange_back: float = -0.070
+    ) -> WheelMeasures | RailMeasures:
+        """Measures of wear: Sh, Sd, qR and hollow of a wheel, W1 and W3 of a rail, and the removed section.
+
+        Parameters:
+            new: new profile in the same frame; a rail needs one.
+            radius: of the rolling circle of the new wheel, m.
+            flange_back: y of the flange's back of a wheel, m.
+
+        A profile from a file has its own rolling circle or top at z = 0: a remark says so. Raises ValueError.
+        """
+        if new is not None and new.kind != self.kind:
+            raise ValueError(f"new must be a {self.kind}, {new.name} is a {new.kind}")
+        found: WheelMeasures | RailMeasures
+        if self.kind == "wheel":
+            found = wheel_measures(self, new, radius=radius, flange_back=flange_back)
+        elif new is None:
+            raise ValueError(f"new is missing: wear of the rail {self.name} is measured against a new profile")
+        else:
+            crown = new.placement((0.0, 0.0))
+            found = rail_measures(self, new, (crown, new.placement((0.0, 1.0)) - crown))
+        if new is not None and self.measurement is not None and self.measurement is not new.measurement:
+            level = "height, W1" if self.kind == "rail" else "height"
+            remark = f"{level} and removed section are relative: z of a file counts from its own reference point"
+            found = replace(found, remarks=(*found.remarks, remark))
+        return found
 
     def gauge_offset(self, gauge: float, height: float) -> float:
         """Lateral position [m] of the rail's origin from the track's centre that gives the gauge [m].

@@ -68,7 +68,7 @@ def worn(new: _C, s: ArrayLike, removed_area: ArrayLike) -> _C:
 
 
 def new_arc_length(new: Curve, worn: Curve, s: ArrayLike) -> Array:
-    """Arc lengths (n,) m on the new profile of places s (n,) m of the worn one: those of the closest points."""
+    """Arc lengths (n,) m on the new profile of places s (n,) m of the worn one, by closest points."""
     return new.closest(worn.point(np.asarray(s, dtype=float))).s
 
 
@@ -89,11 +89,13 @@ def removed_section(new: Curve, worn: Curve) -> RemovedSection:
     points = worn.point(worn.samples(SECTION_SPACING))
     s, distance, inside = new.closest(points)
     s, depth = s[inside], -distance[inside]
-    k, normal, z = new.curvature(s), new.normal(s)[:, 1], new.point(s)[:, 1]
-    density = depth - 0.5 * k * depth**2
-    area = float(trapezoid(density, s))
-    moment = float(trapezoid(z * density - normal * (0.5 * depth**2 - k * depth**3 / 3.0), s))
-    return RemovedSection(area, moment / area if area else np.nan)
+    # the curvature jumps: the angle of the tangent, with the differential -k ds, does not
+    turn = np.unwrap(np.angle(new.tangent(s) @ [1.0, 1j]))
+    normal, z = new.normal(s)[:, 1], new.point(s)[:, 1]
+    area = float(trapezoid(depth, s) + trapezoid(0.5 * depth**2, turn))
+    moment = trapezoid(z * depth - 0.5 * normal * depth**2, s)
+    moment += trapezoid(0.5 * z * depth**2 - normal * depth**3 / 3.0, turn)
+    return RemovedSection(area, float(moment) / area if area else np.nan)
 
 
 @dataclass(frozen=True)
@@ -189,7 +191,7 @@ def _not_negative(areas: Array) -> Array:
 
 
 def _angle(new: Curve, bounds: Array) -> CubicSpline:
-    """Angle rad of the tangent over s, interpolated at bounds of cells, and between those of wide ones."""
+    """Angle rad of the tangent over s, interpolated at bounds of cells, of wide ones between, too."""
     parts = int(np.ceil(np.diff(bounds)[0] / CELL - 1e-6))
     s = np.linspace(bounds[0], bounds[-1], parts * (len(bounds) - 1) + 1)
     on = np.clip(s, *new.s_range)
@@ -231,7 +233,7 @@ def _positive_interpolation(mean: Array) -> Array:
 
 
 def _pieces(new: Curve, depth: _Depth) -> tuple[Array, Complex]:
-    """Breaks and coefficients of the worn curve; pieces without wear are those of the new one."""
+    """Breaks and coefficients of the worn curve; pieces without wear are unchanged."""
     first = np.searchsorted(new.breaks, depth.bounds[:-1][depth.worn], "right")
     last = np.searchsorted(new.breaks, depth.bounds[1:][depth.worn])
     touched = np.zeros(len(new.breaks) - 1, dtype=bool)
