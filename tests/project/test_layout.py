@@ -75,6 +75,7 @@ MAY_IMPORT |= {
     "vehicle.loads": {"support"},
     "vehicle.evaluation": {"support"},
     "vehicle.integration": {"support"},
+    "vehicle.wear": {"support"},
     "vehicle.track": {"bindings", "contact.kinematics", "support"},
 }
 # One call drives a contact model: no meshes, no elements.

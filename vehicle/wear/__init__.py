@@ -1,0 +1,1 @@
+"""Wear of profiles over distance: steps that remove the worn depth."""

@@ -1,0 +1,126 @@
+"""Steps of a wear loop that do not grow noise: smoothing by a local filter, and the distance of a step.
+
+A wave of wavenumber k and depth d of a profile changes the pressure by -E* k d / 2 (K. L. Johnson, Contact Mechanics,
+eq. 13.2), and the depth of the next explicit step by -L k d with L = D E* / (2 p), D its depth and p the pressure:
+waves shorter than pi L grow. With depths F = 1 / (1 + (l k)^2) times the explicit ones, l = L / 2, a step leaves
+1 - L k F of a wave, which lies between 0 and 1 for all k. The filter moves material by l, which vanishes with the step.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import solveh_banded
+from scipy.optimize import brentq
+
+from wheelrail.support.arrays import Array
+
+# Beyond worn cells the length falls by a third of the way: the filtered depth then ends as x^2.5, with its curvature.
+TAPER = 1.0 / 3.0
+LARGEST_REDUCTION = 4.0  # of the largest depth by the filter: a longer step would resolve the wear no more
+_ANGLES = np.linspace(0.0, np.pi, 1001)[1:]  # rad, k times the width of a cell, up to waves of two cells
+
+
+class Step(NamedTuple):
+    """Removal of one step.
+
+    Parameters:
+        distance: m, or passages, as of the rate.
+        depth: (n,) m, smoothed.
+        length: (n,) m, l of the filter.
+    """
+
+    distance: float
+    depth: Array
+    length: Array
+
+
+def smoothing_length(depth: Array, pressure: Array, *, modulus: float, width: float) -> Array:
+    """Length l (n,) m of the filter in cells: D E* / (4 p), and beyond worn cells falling to zero.
+
+    Parameters:
+        depth: (n,) m, explicit depth D of the step.
+        pressure: (n,) Pa, mean pressure where the depth comes from; positive where there is depth.
+        modulus: E*, Pa.
+        width: of cells, m.
+
+    Raises ValueError.
+    """
+    worn = depth > 0.0
+    if not (np.isfinite(depth).all() and (depth >= 0.0).all() and (pressure[worn] > 0.0).all()):
+        raise ValueError("depths must be finite and not negative, with a positive pressure in worn cells")
+    length = np.where(worn, 0.25 * modulus * depth / np.where(worn, pressure, 1.0), 0.0)
+    s = TAPER * width * np.arange(len(depth))
+    rising = np.maximum.accumulate(length + s) - s  # from the left
+    falling = np.maximum.accumulate((length - s)[::-1])[::-1] + s
+    return np.asarray(np.maximum(rising, falling))
+
+
+def smoothed(depth: Array, length: Array, width: float) -> Array:
+    """Solution (n,) m of d - (l^2 d')' = D without flux at both ends, in equal cells: never negative, of the same sum.
+
+    Parameters:
+        depth: (n,) m, D.
+        length: (n,) m, l.
+        width: of cells, m.
+    """
+    ratio = _ratio(length / width)
+    between = 0.5 * (ratio[1:] + ratio[:-1])
+    bands = np.ones((2, len(depth)))
+    bands[0, 0], bands[0, 1:] = 0.0, -between
+    bands[1, 1:] += between
+    bands[1, :-1] += between
+    return np.asarray(solveh_banded(bands, depth))
+
+
+def _ratio(x: Array) -> Array:
+    """Square (n,) of length over width in the difference equation, the least with 1 - L k F >= 0 for all waves.
+
+    F is 1 / (1 + 4 ratio sin^2(k width / 2)) there; the ratio is x^2 + 1/12 for wide x, 0 where L k < 1 for all waves.
+    """
+    wide = np.maximum(x, 1.0)
+    worst = (1.0 + 1.0 / (12.0 * wide**2)) / wide  # k width, asymptotically
+    angles = np.concatenate([np.broadcast_to(_ANGLES, (len(x), len(_ANGLES))), worst[:, None]], axis=1)
+    needed = (2.0 * x[:, None] * angles - 1.0) / (4.0 * np.sin(0.5 * angles) ** 2)
+    return np.asarray(np.maximum(needed.max(axis=1), 0.0))
+
+
+def step_factor(depth: float, pressure: float, wavenumber: Array, *, modulus: float, width: float) -> Array:
+    """Fraction (n,) of waves k (n,) 1/m that a step of uniform depth m and pressure Pa leaves in cells: 1 - L k F."""
+    L = modulus * depth / (2.0 * pressure)
+    ratio = _ratio(np.array([0.5 * L / width]))
+    return np.asarray(1.0 - L * wavenumber / (1.0 + 4.0 * ratio * np.sin(0.5 * wavenumber * width) ** 2))
+
+
+def step(rate: Array, pressure: Array, *, modulus: float, width: float, depth: float, distance: float = np.inf) -> Step:
+    """The step whose largest smoothed depth is given, but for its longest distance.
+
+    Parameters:
+        rate: (n,) m of depth per m of distance, or per passage.
+        pressure: (n,) Pa, as for `smoothing_length`.
+        modulus: E*, Pa.
+        width: of cells, m.
+        depth: largest of the step, m.
+        distance: longest, m or passages.
+
+    No longer than for an explicit depth of four times that. Raises ValueError where nothing wears and distance is
+    infinite.
+    """
+
+    def removal(x: float) -> Step:
+        length = smoothing_length(x * rate, pressure, modulus=modulus, width=width)
+        return Step(x, smoothed(x * rate, length, width), length)
+
+    if not (depth > 0.0 and distance > 0.0):
+        raise ValueError(f"depth and distance of a step must be positive, not {depth} and {distance}")
+    most = float(rate.max())
+    shortest = np.inf if most <= 0.0 else depth / most
+    longest = min(distance, LARGEST_REDUCTION * shortest)
+    if not np.isfinite(longest):
+        raise ValueError("nothing wears, and the distance of the step is not limited")
+    last = removal(longest)
+    if shortest >= longest or last.depth.max() <= depth:
+        return last
+    found = brentq(lambda x: removal(x).depth.max() - depth, shortest, longest, rtol=1e-6)
+    return removal(found)
