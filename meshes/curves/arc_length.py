@@ -18,6 +18,7 @@ Function = Callable[[Array], Complex]
 
 TOLERANCE = 1e-15  # m, of a polynomial piece against its section; the coordinates themselves carry about 1e-17 m
 GAP = 1e-6  # m, largest gap between sections that is attributed to rounding of their coordinates
+ROUNDING = 1e-15  # of a piece, change of the parameter that is rounding
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # type: ignore[no-untyped-call]
 _LOBATTO = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
 _TO_POWERS = np.linalg.inv(np.vander(_LOBATTO, increasing=True))
@@ -131,12 +132,13 @@ def curve(sections: Sequence[CurveSegment]) -> Curve:
 def fitted(section: CurveSegment) -> tuple[Array, Complex]:
     """Lengths (m,) and coefficients (DEGREE + 1, m) of polynomials in the arc length from each piece's middle."""
     knots = section.knots
+    start, stop = knots[:-1, None], knots[1:, None]
+    done: list[tuple[Array, Array, Complex]] = []
     for _ in range(12):
-        a, b = knots[:-1, None], knots[1:, None]
-        length = _travelled(section, a, b)
+        length = _travelled(section, start, stop)
         half = 0.5 * length
 
-        def at(u: Array, a: Array = a, b: Array = b, length: Array = length, half: Array = half) -> Complex:
+        def at(u: Array, a: Array = start, b: Array = stop, length: Array = length, half: Array = half) -> Complex:
             return section.position(_parameter(section, a, b, length, half * (1.0 + u)))
 
         values = at(_LOBATTO)
@@ -144,10 +146,15 @@ def fitted(section: CurveSegment) -> tuple[Array, Complex]:
         powers = (values - middle) @ _TO_POWERS.T
         between = middle + (powers[:, None, :] * np.vander(_BETWEEN, DEGREE + 1, increasing=True)).sum(axis=2)
         bad = np.abs(between - at(_BETWEEN)).max(axis=1) > TOLERANCE
+        powers[:, 0] += middle[:, 0]
+        coefficients = powers / half ** np.arange(DEGREE + 1)
+        done.append((start[~bad, 0], length[~bad, 0], coefficients[~bad]))
         if not bad.any():
-            powers[:, 0] += middle[:, 0]
-            return length[:, 0], (powers / half ** np.arange(DEGREE + 1)).T
-        knots = np.union1d(knots, 0.5 * (knots[:-1] + knots[1:])[bad])
+            first, lengths, pieces = (np.concatenate(parts) for parts in zip(*done, strict=True))
+            order = np.argsort(first)
+            return lengths[order], pieces[order].T
+        cut = 0.5 * (start[bad] + stop[bad])
+        start, stop = np.concatenate([start[bad], cut]), np.concatenate([cut, stop[bad]])
     raise ValueError("a section of the curve is not smooth")
 
 
@@ -163,5 +170,8 @@ def _parameter(section: CurveSegment, a: Array, b: Array, length: Array, travell
     start = np.broadcast_to(a, travelled.shape)
     t = a + (b - a) * (travelled / length)
     for _ in range(6):
+        last = t
         t = np.clip(t - (_travelled(section, start, t) - travelled) / np.abs(section.velocity(t)), a, b)
+        if (np.abs(t - last) <= ROUNDING * (b - a)).all():
+            break
     return t

@@ -1,0 +1,1 @@
+"""Wear: closed forms and identities."""
