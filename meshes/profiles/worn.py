@@ -142,7 +142,7 @@ def _depth(new: Curve, cells: _Cells) -> _Depth:
     """Depth with the areas of the cells, by iteration over the part that the curvature takes."""
     bounds, h, n = cells.bounds, cells.width, len(cells.area)
     angle = _angle(new, bounds)
-    at, weights, cell = _quadrature(new, bounds)
+    at, weights, cell = _quadrature(new, bounds, angle.x)
     inside = _nearest(np.flatnonzero(cells.area), n)[cell]  # the spline reaches beyond the worn cells
     psi = np.angle(np.exp(1j * angle(at)) * (new.tangent(at) @ [1.0, -1j]))
     cosine, curvature = np.cos(psi), -angle.derivative()(at)
@@ -198,9 +198,9 @@ def _angle(new: Curve, bounds: Array) -> CubicSpline:
     return CubicSpline(s, np.unwrap(np.angle(new.tangent(on) @ [1.0, 1j])) - new.curvature(on) * (s - on))
 
 
-def _quadrature(new: Curve, bounds: Array) -> tuple[Array, Array, NDArray[np.intp]]:
-    """Places (m,) m on the new curve, weights (m,) m and cells (m,) of Gauss's rule on each smooth part of a cell."""
-    ends = np.unique(np.clip(np.concatenate([new.breaks, bounds]), *new.s_range))
+def _quadrature(new: Curve, bounds: Array, knots: Array) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Places (m,) m on the new curve, weights (m,) m and cells (m,) of Gauss's rule between breaks and knots (k,) m."""
+    ends = np.unique(np.clip(np.concatenate([new.breaks, knots]), *new.s_range))
     middle, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
     cell = np.clip(np.searchsorted(bounds, middle) - 1, 0, len(bounds) - 2)
     at, weights = middle[:, None] + half[:, None] * _NODES, half[:, None] * _WEIGHTS
