@@ -75,6 +75,7 @@ def find_depth_for_load(
     rtol: float = RTOL,
     deepest: float = 0.1,
     guess: Results | None = None,
+    known_slope: float | None = None,
 ) -> LoadSolution:
     """Depth of the upper body at which the vertical force equals a load.
 
@@ -86,13 +87,14 @@ def find_depth_for_load(
         rtol: tolerance of the force over the load.
         deepest: largest depth below the start, or below the gap there, m.
         guess: initial guess of the first solve.
+        known_slope: of F^(2/3) by depth at the start, if known from a similar contact, N^(2/3)/m.
 
     Raises LoadError when contact solves fail, or when the load is not reached.
     """
     target = compliant(load)
     below, above = -np.inf, np.inf  # depths that carry less; more, or where the contact fails
     failed: Results = ()  # results at depth `above` where the contact fails
-    depth, stride, slope = start, expected, target / expected
+    depth, stride, slope = start, expected, known_slope or target / expected
     last: tuple[float, float] | None = None  # depth and F^(2/3) of the last solve in contact
     best, width = LoadSolution(start, (), np.inf, 0, slope), np.inf
     for trial in range(1, MAX_SOLVES + 1):
@@ -113,7 +115,9 @@ def find_depth_for_load(
         start += gap if trial == 1 else 0.0
         below, above, failed = (max(below, depth + gap), above, failed) if force < load else (below, depth, ())
         if value > 0.0:
-            slope, last = _slope(slope, last, (depth, value), penetration), (depth, value)
+            if last or known_slope is None:
+                slope = _slope(slope, last, (depth, value), penetration)
+            last = depth, value
         stalled = best.error <= NOISE and error >= 0.5 * best.error
         if error < best.error:
             best = LoadSolution(depth, results, error, trial, slope)

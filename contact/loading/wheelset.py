@@ -186,26 +186,27 @@ def _find_depth(
         lowered = replace(state, z=-depth)
         return tuple(contact(lowered, side, guess[i] if guess else None) for i, side in enumerate(sides))
 
-    start, trials = _first_depth(contact, state, sides, load, expected)
+    first = _without_friction(contact, state, sides, load, expected)
+    start = first.depth if first else min(_initial_depth(contact, state, side, expected) for side in sides)
+    guess, slope = (first.results, first.slope) if first else (None, None)
     try:
-        found = find_depth_for_load(wheels, load, expected=expected, start=start, rtol=rtol, deepest=DEEPEST)
-        return replace(found, trials=trials + found.trials)
+        found = find_depth_for_load(
+            wheels, load, expected=expected, start=start, rtol=rtol, deepest=DEEPEST, guess=guess, known_slope=slope
+        )
+        return replace(found, trials=found.trials + (first.trials if first else 0))
     except LoadError as error:
         raise LoadError(f"{' and '.join(sides)} wheel: {error}") from None
 
 
-def _first_depth(
+def _without_friction(
     contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...], load: float, expected: float
-) -> tuple[float, int]:
-    """Initial depth m, and number of solves: with friction, the depth for the load in a quicker frictionless model, if
-    any.
-    """
+) -> LoadSolution | None:
+    """Solution of a quicker frictionless model, from which that with friction starts; None without one."""
     frictionless = contact.changed(lambda own: own.frictionless if isinstance(own, HasFrictionless) else own)
     if any(frictionless.of(side).model is not contact.of(side).model for side in sides):
         with suppress(LoadError):
-            found = _find_depth(frictionless, state, sides, load, expected, FRICTIONLESS)
-            return found.depth, found.trials
-    return min(_initial_depth(contact, state, side, expected) for side in sides), 0
+            return _find_depth(frictionless, state, sides, load, expected, FRICTIONLESS)
+    return None
 
 
 def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, expected: float) -> float:

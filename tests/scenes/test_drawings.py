@@ -79,8 +79,9 @@ def test_plain_drawings_are_json_within_a_tenth_of_a_pixel(data: Dataset) -> Non
         assert [layer["kind"] for layer in read["layers"]] == [type(layer).__name__ for layer in drawing.layers]
         sizes = np.ptp(drawing.limits, axis=1)
         sizes = np.full(2, sizes.max()) if drawing.equal else sizes
+        origin = np.array([read["x_limits"][0], read["y_limits"][0]])
         for plain, layer in zip(read["layers"], drawing.layers, strict=True):
-            points, exact = np.array(plain["points"]) / sizes, layer.points / sizes
+            points, exact = np.array(plain["points"]) * read["unit"] / sizes, (layer.points - origin) / sizes
             if points.shape == exact.shape:
                 np.testing.assert_allclose(points, exact, atol=1e-4)
             else:  # a curve with fewer points
@@ -103,7 +104,7 @@ def test_gaps_and_empty_drawings() -> None:
     line = Line(np.array([[0.0, 1.0], [1.0, np.nan], [2.0, 3.0]]), "#0072B2", "gap", dash=True, marker="o")
     drawing = Drawing("", "x [m]", "y [m]", (line,), margin=0.0)
     assert drawing.limits == ((0.0, 2.0), (1.0, 3.0))
-    assert drawing.plain()["layers"][0]["points"] == [[0.0, 1.0], None, [2.0, 3.0]]
+    assert drawing.plain()["layers"][0]["points"] == [[0, 0], None, [10000, 10000]]
     assert Drawing("", "x [m]", "y [m]", ()).limits == ((0.0, 1.0), (0.0, 1.0))
     (drawn,) = draw(drawing, Figure().subplots()).lines
     assert (drawn.get_linestyle(), drawn.get_marker(), drawn.get_label()) == ("--", "o", "gap")

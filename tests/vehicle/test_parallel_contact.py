@@ -21,10 +21,11 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt, deferred_interrupts
+from wheelrail.support.threads import Threads
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
 from wheelrail.vehicle.simulation.contact_cost import CountedContact
 from wheelrail.vehicle.simulation.history import History
-from wheelrail.vehicle.simulation.parallel_contact import Parallel, Threads, in_threads
+from wheelrail.vehicle.simulation.parallel_contact import Parallel, in_threads
 from wheelrail.vehicle.simulation.recorder import Recorder
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.equilibrium import equilibrium

@@ -24,6 +24,7 @@ from wheelrail.scenes.schema.scene import WheelsetScene
 from wheelrail.scenes.schema.tables import TrackTable
 from wheelrail.scenes.schema.tables import WheelsetTable as Position
 from wheelrail.scenes.schema.wheelset_defaults import LOADS, PROFILES, SCENE, TRACK, WHEELSET, inclination
+from wheelrail.support.threads import one_more
 
 if TYPE_CHECKING:
     from wheelrail.api.elements.wheelset_element import WheelsetElement
@@ -115,6 +116,7 @@ class Wheelset:
             **names,
         }
         self._scene({})
+        self._begun = False
 
     def solve(
         self,
@@ -176,8 +178,10 @@ class Wheelset:
 
     def solved_sides(self, arguments: Mapping[str, Any]) -> tuple[WheelsetScene, dict[str, SideSolution]]:
         """Scene of arguments of `solve`, and the solution of each side, without a dataset. Raises SceneError."""
-        scene = self._scene(arguments)
-        return scene, dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles))
+        scene, threads = self._scene(arguments), one_more() if self._begun else None
+        sides = dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles, threads=threads))
+        self._begun = True  # the model's tables exist
+        return scene, sides
 
     def element(self, *, host: Sequence[Literal["axle", "wheels", "rails"]] = ()) -> WheelsetElement:
         """Contact element for a time integration; bodies and tables are shared with this wheelset.

@@ -56,7 +56,7 @@ window.wheelrail_explorer = (() => {
     });
   }
 
-  // Places of everything for a width of the canvas, and its height; a given height of 0 follows from the data.
+  // Places of everything, those of whole numbers by `dot`, for a width of the canvas, and its height; a given height of 0 follows from the data.
   function layout(pen, drawing, width, given) {
     pen.font = FONT;
     const w = Math.max(width - LEFT - (drawing.bar ? BAR : RIGHT), 40);
@@ -73,7 +73,9 @@ window.wheelrail_explorer = (() => {
       [x, y] = [widened(x, scale * w), widened(y, scale * h)];
     }
     const at = ([a, b]) => [LEFT + w * (a - x[0]) / (x[1] - x[0]), TOP + h * (y[1] - b) / (y[1] - y[0])];
-    return { w, h, x, y, at, legend, rows, label, notes, height: TOP + h + below };
+    const [[first], [lowest], [along, up]] = [drawing.x_limits, drawing.y_limits, drawing.unit];
+    const dot = ([a, b]) => at([first + along * a, lowest + up * b]);
+    return { w, h, x, y, at, dot, legend, rows, label, notes, height: TOP + h + below };
   }
 
   // Polygons or lines of one path, which is painted at once.
@@ -105,11 +107,6 @@ window.wheelrail_explorer = (() => {
     return `rgb(${parts.map(part => Math.round(0.55 * part + 0.45 * 255)).join(" ")})`;
   }
 
-  function shade(bar, value) {
-    const share = bar.upper > 0 ? value / bar.upper : 0;
-    return bar.colours[Math.min(Math.max(Math.floor(share * bar.colours.length), 0), bar.colours.length - 1)];
-  }
-
   // Corners moved outwards by half a pixel, which hides the seams between cells.
   function grown(corners) {
     const middle = [0, 1].map(axis => 0.25 * corners.reduce((sum, point) => sum + point[axis], 0));
@@ -126,10 +123,10 @@ window.wheelrail_explorer = (() => {
   }
 
   const PAINT = {
-    Cells(pen, layer, at, { bar }) {
+    Cells(pen, layer, at) {
       const shapes = new Map(); // by colour
       layer.points.forEach((corners, k) => {
-        const colour = layer.values ? shade(bar, layer.values[k]) : layer.colours[k];
+        const colour = layer.colours[layer.values[k]];
         if (!shapes.has(colour)) shapes.set(colour, []);
         shapes.get(colour).push(grown(corners.map(at)));
       });
@@ -154,10 +151,10 @@ window.wheelrail_explorer = (() => {
       [pen.strokeStyle, pen.lineWidth] = [layer.colour, layer.width];
       pen.stroke();
     },
-    Line(pen, layer, at, drawing, dark) {
+    Line(pen, layer, at, dark) {
       const pieces = [[]], colour = visible(layer.colour, dark);
       for (const point of layer.points) {
-        if (point && point[0] !== null && point[1] !== null) pieces.at(-1).push(at(point));
+        if (point) pieces.at(-1).push(at(point));
         else pieces.push([]);
       }
       if (layer.width > 0) {
@@ -212,7 +209,7 @@ window.wheelrail_explorer = (() => {
         pen.fillStyle = item.colour;
         pen.fillRect(left, y - 5, 22, 10);
       } else {
-        PAINT.Line(pen, { ...item, points: [[left, y], [left + 22, y]], marker: "" }, point => point, drawing, dark);
+        PAINT.Line(pen, { ...item, points: [[left, y], [left + 22, y]], marker: "" }, point => point, dark);
         if (item.marker) mark(pen, [left + 11, y], item.marker, visible(item.colour, dark));
       }
       pen.fillStyle = theme.ink;
@@ -248,7 +245,7 @@ window.wheelrail_explorer = (() => {
     pen.beginPath();
     pen.rect(LEFT, TOP, place.w, place.h);
     pen.clip();
-    for (const layer of drawing.layers) PAINT[layer.kind](pen, layer, place.at, drawing, dark);
+    for (const layer of drawing.layers) PAINT[layer.kind](pen, layer, place.dot, dark);
     pen.restore();
     paintLegend(pen, drawing, place, theme, dark);
     if (drawing.bar) paintBar(pen, drawing.bar, place, theme);

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from itertools import starmap
 from time import perf_counter
 from typing import TYPE_CHECKING, cast
 
@@ -23,24 +24,23 @@ from wheelrail.scenes.contacts.solution import solution_dataset
 from wheelrail.scenes.contacts.stress import subsurface_stress
 from wheelrail.scenes.schema.scene import HertzScene, WheelsetScene
 from wheelrail.support.interrupts import deferred_interrupts
+from wheelrail.support.threads import Threads
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.contact.kinematics.frames import Side
+    from wheelrail.contact.loading.load_search import LoadError
     from wheelrail.contact.loading.moved_pair import MovedPair
     from wheelrail.contact.loading.wheelset import WheelsetEquilibrium
     from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
     from wheelrail.contact.results.result import ContactResult
 
+    TimedSolve = tuple[tuple[str, ...], WheelsetEquilibrium | LoadError, float]
+
 ReportProgress = Callable[[str], None]
 
 START = 0.02  # of the load: error of the equilibrium of rigid hubs and rails from which those of flexible ones start
-
-
-if TYPE_CHECKING:
-    from wheelrail.contact.models.wheelset import ContactModel
-    from wheelrail.contact.results.result import ContactResult
 
 
 def coarse_models(model: ContactModel) -> Sequence[ContactModel]:
@@ -98,6 +98,7 @@ def solve_sides(
     *,
     model: ContactModel | WheelsetContact | None = None,
     profiles: SideProfiles | None = None,
+    threads: Threads | None = None,
     report_progress: ReportProgress = lambda _: None,
 ) -> Iterator[tuple[str, SideSolution]]:
     """Solve the sides of a scene one after the other; the only side of a Hertz pair is "contact".
@@ -107,11 +108,12 @@ def solve_sides(
         model: contact model built for this scene, or for one that differs only in pose, motion and load; built from
             the scene by default.
         profiles: of wheel and inclined rail by side; those of the scene by default.
+        threads: that solve both sides at the same time, with a model that has solved before.
         report_progress: called with a text at every stage.
     """
     if isinstance(scene, HertzScene):
         return _hertz(scene, cast("ContactModel | None", model), report_progress)
-    return _wheelset(scene, cast("WheelsetContact | None", model), profiles, report_progress)
+    return _wheelset(scene, cast("WheelsetContact | None", model), profiles, threads, report_progress)
 
 
 def _hertz(
@@ -152,26 +154,23 @@ def _wheelset(
     scene: WheelsetScene,
     contact: WheelsetContact | None,
     profiles: SideProfiles | None,
+    threads: Threads | None,
     report_progress: ReportProgress,
 ) -> Iterator[tuple[str, SideSolution]]:
-    from wheelrail.contact.loading.load_search import LoadError
-
     if contact is None:
         report_progress("compliance of wheel and rail")
         contact = wheelset_contact(scene, profiles)
     if scene.is_flexible:
         yield from _flexible(scene, contact, profiles or side_profiles(scene), report_progress)
         return
-    for sides, solve in _equilibria(scene, contact):
-        report_progress(f"contact of the {' and '.join(sides)} wheel")
-        with _clock() as seconds:
-            try:
-                with deferred_interrupts():
-                    equilibrium = solve()
-            except LoadError as error:
-                yield from ((side, SideSolution.failed(str(error))) for side in sides)
-                continue
-        solves, time = equilibrium.solves // len(sides), seconds() / len(sides)
+    each: Callable[..., Iterable[TimedSolve]] = starmap
+    if threads and contact.concurrent and not contact.together:
+        each = threads.each
+    for sides, equilibrium, seconds in each(partial(_timed, report_progress), _equilibria(scene, contact)):
+        if isinstance(equilibrium, Exception):
+            yield from ((side, SideSolution.failed(str(equilibrium))) for side in sides)
+            continue
+        solves, time = equilibrium.solves // len(sides), seconds / len(sides)
         state = equilibrium.state
         for side, result in equilibrium.results.items():
             if scene.error_estimate:
@@ -184,6 +183,21 @@ def _wheelset(
             if side == "right":
                 pose, stress = pose.mirrored(), {name: body_stress.mirrored() for name, body_stress in stress.items()}
             yield side, SideSolution(result, pose, state.z, state.roll, solves, time, stress)
+
+
+def _timed(
+    report_progress: ReportProgress, sides: tuple[str, ...], solve: Callable[[], WheelsetEquilibrium]
+) -> TimedSolve:
+    """Sides, their equilibrium or why there is none, and the time s that it took."""
+    from wheelrail.contact.loading.load_search import LoadError
+
+    report_progress(f"contact of the {' and '.join(sides)} wheel")
+    with _clock() as seconds:
+        try:
+            with deferred_interrupts():
+                return sides, solve(), seconds()
+        except LoadError as error:
+            return sides, error, seconds()
 
 
 def _flexible(

@@ -15,7 +15,6 @@ from wheelrail.support.arrays import Array
 
 Marker = Literal["", "o", "D", "^", "v"]
 SEEN = 1e-4  # error in a browser over the length of an axis, or over the largest value: a tenth of a pixel
-START = 16  # points to the next one that is kept in any case: fewer rounds of thinning
 
 
 @dataclass(frozen=True)
@@ -132,17 +131,18 @@ class Drawing:
         return low - more, high + more
 
     def plain(self) -> dict[str, Any]:
-        """Numbers, texts and lists for a browser, with the precision that can be seen."""
-        x, y = self.limits
-        sizes = np.array([x[1] - x[0], y[1] - y[0]])
+        """Numbers, texts and lists for a browser: coordinates are whole numbers of a unit that cannot be seen."""
+        limits = np.array(self.limits)
+        sizes = limits[:, 1] - limits[:, 0]
         if self.equal:
             sizes[:] = sizes.max()
         return {
             **{name: getattr(self, name) for name in ("title", "x_label", "y_label", "equal", "notes", "legend")},
-            "x_limits": x,
-            "y_limits": y,
+            "x_limits": limits[0].tolist(),
+            "y_limits": limits[1].tolist(),
+            "unit": (SEEN * sizes).tolist(),
             "bar": None if self.bar is None else {**vars(self.bar), "colours": colour_scale()},
-            "layers": [_plain(layer, sizes) for layer in self.layers],
+            "layers": [_plain(layer, limits[:, 0], SEEN * sizes, self.bar) for layer in self.layers],
         }
 
 
@@ -161,8 +161,14 @@ def thinned(points: Array, error: float) -> NDArray[np.int64]:
     Parameters:
         points: finite.
         error: largest distance of the others from the lines between.
+
+    It begins with points between which a smooth curve deviates by about the error.
     """
-    kept = np.append(np.arange(0, len(points) - 1, START), len(points) - 1)
+    steps = np.diff(points, axis=0)
+    turn = np.abs(np.angle(np.exp(1j * np.diff(np.arctan2(steps[:, 1], steps[:, 0])))))
+    length = np.hypot(*steps.T)
+    bends = np.cumsum(np.sqrt(turn * (length[1:] + length[:-1]) / (16.0 * error)))
+    kept = np.concatenate([[0], 1 + np.flatnonzero(np.diff(np.floor(bends), prepend=0.0)), [len(points) - 1]])
     while True:
         piece = np.minimum(np.searchsorted(kept, np.arange(len(points)), side="right"), len(kept) - 1) - 1
         start, chord = points[kept[piece]], points[kept[piece + 1]] - points[kept[piece]]
@@ -175,25 +181,29 @@ def thinned(points: Array, error: float) -> NDArray[np.int64]:
         kept = np.union1d(kept, split)
 
 
-def _plain(layer: Layer, sizes: Array) -> dict[str, Any]:
-    """Fields of a layer, for axes of the given sizes (2,)."""
-    values = vars(layer)
-    if isinstance(layer, Line) and not layer.marker and len(layer.points) > 2 and np.isfinite(layer.points).all():
-        values = {**values, "points": layer.points[thinned(layer.points / sizes, SEEN)]}
-    plain = {name: _rounded(value, sizes) if isinstance(value, np.ndarray) else value for name, value in values.items()}
-    return {"kind": type(layer).__name__, **plain}
+def _plain(layer: Layer, origin: Array, unit: Array, bar: Bar | None) -> dict[str, Any]:
+    """Fields of a layer: its points are in units (2,) from an origin (2,), colours of cells are those of a palette."""
+    points = (layer.points - origin) / unit
+    if isinstance(layer, Line) and not layer.marker and len(points) > 2 and np.isfinite(points).all():
+        points = points[thinned(points, 1.0)]
+    values = {**vars(layer), "points": _whole(points)}
+    if isinstance(layer, Arrows):
+        values["vector"] = _whole(layer.vector / unit)
+    if isinstance(layer, Cells):
+        if layer.values is None:
+            values["colours"] = palette = list(dict.fromkeys(layer.colours))
+            values["values"] = [palette.index(colour) for colour in layer.colours]
+        else:
+            values["colours"], upper = colour_scale(), bar.upper if bar else 0.0
+            share = layer.values / upper if upper > 0.0 else np.zeros(len(layer.values))
+            values["values"] = (
+                np.clip(len(values["colours"]) * share, 0, len(values["colours"]) - 1).astype(int).tolist()
+            )
+    return {"kind": type(layer).__name__, **values}
 
 
-def _rounded(values: Array, sizes: Array) -> list[Any]:
-    """Coordinates (..., 2) for axes of the given sizes, or values (n,), as lists; None for rows that are not finite."""
-    finite = np.isfinite(values).reshape(len(values), -1).all(axis=1)
-    if values.ndim == 1:
-        rounded = np.round(values, _digits(np.abs(values[finite]).max(initial=0.0)))
-    else:
-        rounded = np.stack([np.round(values[..., k], _digits(size)) for k, size in enumerate(sizes)], axis=-1)
-    return [row if valid else None for row, valid in zip(rounded.tolist(), finite, strict=True)]
-
-
-def _digits(size: float) -> int:
-    """Decimals of numbers with an error that cannot be seen."""
-    return int(np.ceil(-np.log10(SEEN * size))) if size > 0.0 else 0
+def _whole(values: Array) -> list[Any]:
+    """Coordinates (n, ...) as lists of whole numbers; None for rows that are not finite."""
+    if np.isfinite(values).all():
+        return list(np.rint(values).astype(int).tolist())
+    return [None if not np.isfinite(row).all() else np.rint(row).astype(int).tolist() for row in values]

@@ -114,7 +114,7 @@ def upper_body(side: str) -> str:
 
 def touching(data: Dataset) -> list[tuple[str, int]]:
     """Side and index of every patch of a Dataset of `wheelrail.scenes.datasets.contact`."""
-    counts = zip(data["side"].values, data["patches"].values, strict=True)
+    counts = zip(data.variables["side"].values, data.variables["patches"].values, strict=True)
     return [(str(side), k) for side, count in counts for k in range(int(count))]
 
 
@@ -133,7 +133,8 @@ def chosen(data: Dataset, side: str | None, patch: int) -> tuple[str, int]:
 def title(data: Dataset, side: str, patch: int) -> str:
     """Title of a patch: side, number if there are several, load."""
     name = "contact" if side == "contact" else f"{side} wheel"
-    row = list(data["side"].values).index(side)
-    which = f", patch {patch + 1}" if int(data["patches"].values[row]) > 1 else ""
-    load = 1e-3 * float(data["patch_normal_force"].values[row, patch])
+    fields = data.variables
+    row = list(fields["side"].values).index(side)
+    which = f", patch {patch + 1}" if int(fields["patches"].values[row]) > 1 else ""
+    load = 1e-3 * float(fields["patch_normal_force"].values[row, patch])
     return f"{name}{which}: {significant(load)} kN"

@@ -125,7 +125,7 @@ def pressure_drawing(data: Dataset, side: str | None = None, patch: int = 0, *, 
         else:
             layers += (Segments(1e3 * cells.stick_edge(), EDGE),)
             notes.append("orange: stick-slip boundary")
-    bar = Bar(PRESSURE, 1e-6 * float(np.nanmax(data["patch_max_pressure"].values)))
+    bar = Bar(PRESSURE, 1e-6 * float(np.nanmax(data.variables["patch_max_pressure"].values)))
     return Drawing(title(data, *key), layers=layers, notes=tuple(notes), bar=bar, **PLAN)
 
 

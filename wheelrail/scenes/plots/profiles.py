@@ -39,7 +39,7 @@ def profiles_drawing(data: Dataset, side: str | None = None) -> Drawing:
     """Drawing of `profiles_in_contact`, with its parameters."""
     if "wheel_profile" not in data:
         raise ValueError("profiles: a Hertz pair has none")
-    sides = [str(name) for name in data["side"].values]
+    sides = [str(name) for name in data.variables["side"].values]
     if side is None:
         side = next((name for name, _ in touching(data)), sides[0])
     if side not in sides:

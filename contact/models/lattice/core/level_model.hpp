@@ -130,12 +130,13 @@ class LevelModel {
         }
     }
 
-    // Solution from the strips of an earlier one; none where that is too far away.
+    // Solution from the strips of an earlier one, which may lack friction; none where that is too far away.
     std::optional<LatticeSolution> from_earlier(LatticeProblem& problem, const LatticeSolution& earlier,
                                                 IterationCount& count) const {
         const auto& near = problem.lines.near;
         long S = long(earlier.state.strips.size()), before = -1;
-        if (earlier.state.values.shape != std::array{S, setting->block()}) return {};
+        bool same = earlier.state.values.shape == std::array{S, setting->block()};
+        if (!same && earlier.state.values.shape != std::array{S, long(MOMENTS)}) return {};
         Array<bool, 1> remain(S);
         for (long i = 0; i < S; ++i) {
             long k = earlier.state.strips[i];
@@ -145,9 +146,11 @@ class LevelModel {
         if (!any(remain)) return {};
         LatticeNewton newton(problem, count, look);
         try {
-            if (std::all_of(remain.begin(), remain.end(), [](bool one) { return one; }))
+            if (same && std::all_of(remain.begin(), remain.end(), [](bool one) { return one; }))
                 return newton.from_earlier(earlier, WARM_ITERATIONS, FARTHEST_STEP);
-            return newton.solve(earlier.state.at(remain), WARM_ITERATIONS, FARTHEST_STEP);
+            auto state = earlier.state.at(remain);
+            if (!same) state.values = without_tractions(state.values);
+            return newton.solve(state, WARM_ITERATIONS, FARTHEST_STEP);
         } catch (const NotConverged&) {
             return {};
         } catch (const OutsideSurface&) {
@@ -172,6 +175,13 @@ class LevelModel {
     }
 
   private:
+    // Values (S, block) with zero tractions before those (S, MOMENTS) of strips without friction.
+    Array<double, 2> without_tractions(Rows values) const {
+        Array<double, 2> all(values.size(), setting->block());
+        for (long i = 0; i < values.size(); ++i)
+            std::copy(values[i].begin(), values[i].end(), all[i].end() - values.shape[1]);
+        return all;
+    }
     // Largest pressure Pa of loaded strips with values (S, block).
     static double peak(Rows values) {
         double highest = 0.0;
