@@ -360,4 +360,4 @@ def test_a_solution_in_three_dimensions(pressed: wr.Solution) -> None:
 def test_both_wheels_in_threads_are_those_of_one_after_the_other() -> None:
     contact = wr.Wheelset(wheel="S1002", rail="60E1", bodies="half-space", strips=6, cells=8)
     alone, together = (contact.solve(y=2e-3, wheel_load=57e3).data for _ in range(2))
-    xarray.testing.assert_identical(*(data.drop_vars(["contact_seconds", "phase_seconds"]) for data in (alone, together)))
+    xarray.testing.assert_equal(*(data.drop_vars(["contact_seconds", "phase_seconds"]) for data in (alone, together)))
