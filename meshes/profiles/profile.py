@@ -55,13 +55,15 @@ class Profile(Curve):
     where the surface is convex. Wheel: from the flange's back; z is the height above the rolling circle, outward from
     the axle; s = 0 and z = 0 on the rolling circle, y = 0. Rail: z up; s = 0 at the origin, which is the highest point
     of the inclined rail. placement: rigid motion from the rail's axis frame, in which web and foot are defined, to this
-    one. measurement: of a profile from a file, its noise and remarks on reading it.
+    one. measurement: of a profile from a file, its noise and remarks on reading it. new: name of a worn profile when it
+    was new.
     """
 
     name: str
     kind: Kind
     placement: Placement = Placement()
     measurement: Measurement | None = None
+    new: str = ""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -113,7 +115,8 @@ class Profile(Curve):
 
         Raises ValueError, as `wheelrail.meshes.profiles.worn.worn`.
         """
-        return replace(worn(self, s, removed_area), name=name or f"{self.name}, worn")
+        new = self.new or self.name
+        return replace(worn(self, s, removed_area), name=name or f"{new}, worn", new=new)
 
     def measures(
         self, new: Profile | None = None, *, radius: float = 0.46, flange_back: float = -0.070

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import wheelrail as wr
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.meshes.profiles.reader import read_profile
@@ -119,6 +120,14 @@ def test_places_on_the_new_profile() -> None:
     across = np.einsum("ij,ij->i", worn.point(at) - foot, new.tangent(back))
     assert np.abs(across).max() < 1e-9
     assert np.einsum("ij,ij->i", worn.point(at) - foot, normal).max() < 1e-12
+
+
+def test_a_worn_rail_is_inclined_as_a_new_one() -> None:
+    s = cell_bounds(rail := PROFILES["60E1"])
+    worn = rail.worn(s, np.where(np.abs(s[1:]) < 0.03, 2e-5 * np.diff(s), 0.0), name="rail 7")
+    pair = wr.Wheelset(rail=worn, friction=0.0, model="standard")
+    assert pair.profiles[1].placement.angle == pytest.approx(0.025, abs=1e-5)
+    assert pair.solve(wheel_load=5e4).results["left"].status == "converged"
 
 
 def test_the_wheel_of_a_loop() -> None:

@@ -249,5 +249,5 @@ class Wheelset:
 def usual_inclination(rail: str | Path | Profile) -> float:
     """Default inclination rad of a rail: that of tracks for a standard profile that is not inclined yet."""
     if isinstance(rail, Profile):
-        return inclination(rail.name) if rail.placement.angle == 0.0 else 0.0
+        return inclination(rail.new or rail.name) if rail.placement.angle == 0.0 else 0.0
     return inclination(str(rail))
