@@ -184,3 +184,12 @@ def test_example_scenes_are_explored_as_they_are(scene: str) -> None:
     calls = Subject.of(contact).calls({})
     given = {key: value for key, value in contact.arguments.items() if value is not None and key != "laying_angle"}
     assert {**calls.contact, **calls.solve} == given
+
+
+def test_a_file_of_the_same_name_replaces_the_earlier_one() -> None:
+    subject, first = Subject.of(wr.Wheelset(wheel=wr.profile("S1002"))).with_profile(wr.profile("S1002"), "mine.txt")
+    subject, rail = subject.with_profile(wr.profile("60E1"), "mine.txt")
+    given = subject.given.keys() - {first, rail}
+    subject, second = subject.with_profile(wr.profile("S1002").inclined(0.01), "mine.txt")
+    assert subject.files == {rail: "mine.txt", second: "mine.txt"}
+    assert subject.given.keys() == {*given, rail, second}

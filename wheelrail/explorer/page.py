@@ -148,10 +148,13 @@ class Page:
             read = profile(file, "wheel" if kind == "wheel" else "rail")
         finally:
             file.unlink()
+        before = self.subject.given.keys()
         self.subject, known = self.subject.with_profile(read, name)
+        replaced = before - self.subject.given.keys()
         for worker in (self.worker, self.beside):
             worker.know({known: read})
-        self.state[f"choices_{kind}"] = [*dict.fromkeys([*self.state[f"choices_{kind}"], known])]
+        choices = [own for own in self.state[f"choices_{kind}"] if own not in replaced]
+        self.state[f"choices_{kind}"] = [*dict.fromkeys([*choices, known])]
         self.state[f"at_{kind}"] = known
 
     def _moved(self, **_: Any) -> None:

@@ -74,10 +74,14 @@ class Subject:
         return cls("hertz", dict(contact.arguments))
 
     def with_profile(self, profile: Profile, file: str) -> tuple[Subject, str]:
-        """Subject that knows another profile of a file, and the profile's name."""
+        """Subject that knows another profile of a file, and the profile's name; it replaces an earlier one of its kind
+        from a file of the same name.
+        """
         name = f"{profile.name} ({profile.digest()[:8]})"
         file = f"./{file}" if file in NAMES else file  # not the profile of the library
-        return replace(self, given={**self.given, name: profile}, files={**self.files, name: file}), name
+        kept = {own: of for own, of in self.files.items() if of != file or self.given[own].kind != profile.kind}
+        given = {own: of for own, of in self.given.items() if own in kept or own not in self.files}
+        return replace(self, given={**given, name: profile}, files={**kept, name: file}), name
 
     @cached_property
     def controls(self) -> tuple[Control, ...]:
