@@ -187,9 +187,9 @@ def test_example_scenes_are_explored_as_they_are(scene: str) -> None:
 
 
 def test_a_file_of_the_same_name_replaces_the_earlier_one() -> None:
-    subject, first = Subject.of(wr.Wheelset(wheel=wr.profile("S1002"))).with_profile(wr.profile("S1002"), "mine.txt")
-    subject, rail = subject.with_profile(wr.profile("60E1"), "mine.txt")
-    given = subject.given.keys() - {first, rail}
-    subject, second = subject.with_profile(wr.profile("S1002").inclined(0.01), "mine.txt")
-    assert subject.files == {rail: "mine.txt", second: "mine.txt"}
-    assert subject.given.keys() == {*given, rail, second}
+    subject, first = Subject.of(wr.Wheelset(wheel=wr.profile("S1002"))).with_profile(wr.profile("60E1"), "mine.txt")
+    subject, wheel = subject.with_profile(wr.profile("S1002"), "mine.txt")
+    given = subject.given.keys() - {first, wheel}
+    subject, second = subject.with_profile(wr.profile("60E1").inclined(0.01), "mine.txt")
+    assert subject.files == {wheel: "mine.txt", second: "mine.txt"}
+    assert subject.given.keys() == {*given, wheel, second}
