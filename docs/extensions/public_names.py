@@ -52,6 +52,11 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
         "wheelrail.contact.stress.subsurface",
         "wheelrail.contact.stress.shakedown",
     ),
+    "Contact: wear": (
+        "wheelrail.contact.wear.laws",
+        "wheelrail.contact.wear.strips",
+        "wheelrail.contact.wear.fatigue",
+    ),
     "Contact: closed-form solutions": (
         "wheelrail.contact.analytical.hertz",
         "wheelrail.contact.analytical.cattaneo",

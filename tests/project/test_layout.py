@@ -70,6 +70,7 @@ MAY_IMPORT |= {
     "contact.tables": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models.table"}
     | {"contact.results", "support"},
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},
+    "contact.wear": {"contact.laws", "contact.results", "contact.stress", "meshes.profiles", "support"},
     "vehicle": {f"vehicle.{name}" for name in ("loads", "multibody", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
     "vehicle.loads": {"support"},

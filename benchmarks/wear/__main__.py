@@ -1,0 +1,3 @@
+from benchmarks.wear.report import main
+
+main()

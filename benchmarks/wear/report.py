@@ -1,0 +1,54 @@
+"""Wear of profiles against closed forms and identities: check, figure, tolerance, pass.
+
+    python -m benchmarks.wear [NUMBER ...] [--json FILE]
+
+Numbers choose checks.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+
+from benchmarks.common.machine import machine_description
+from benchmarks.wear import contact
+from benchmarks.wear.check import Check
+
+CHECKS: Mapping[int, Callable[[], Iterator[Check]]] = {
+    1: contact.full_sliding,
+    2: contact.identity,
+    3: contact.rolling_cylinder,
+    4: contact.energy,
+    9: contact.mild_wear,
+    12: contact.models_agree,
+}
+
+
+def main() -> None:
+    """Run the checks and print them."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.wear", description=__doc__)
+    parser.add_argument("numbers", nargs="*", type=int, metavar="NUMBER", help=f"of {', '.join(map(str, CHECKS))}")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures to a file")
+    arguments = parser.parse_args()
+    if unknown := set(arguments.numbers) - set(CHECKS):
+        parser.error(f"no check {min(unknown)}; there are {', '.join(map(str, CHECKS))}")
+    logging.disable(logging.WARNING)
+    print(machine_description())
+    print("\n| check | figure | tolerance | pass |\n|---|---|---|---|", flush=True)
+    checks = []
+    for number in arguments.numbers or CHECKS:
+        for check in CHECKS[number]():
+            checks.append(check)
+            print(f"| {number}: {check.row}", flush=True)
+    if arguments.json:
+        arguments.json.write_text(json.dumps([asdict(check) for check in checks], indent=1), encoding="utf-8")
+    sys.exit(not all(check.passed for check in checks))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,16 @@
+from .laws import Archard as Archard
+from .laws import Energy as Energy
+from .laws import Kth as Kth
+from .laws import PearceSherratt as PearceSherratt
+from .laws import TGamma as TGamma
+from .laws import Usfd as Usfd
+from .laws import WearLaw as WearLaw
+from .laws import WearTable as WearTable
+from .laws import Zone as Zone
+from .laws import law_from as law_from
+from .strips import ProfileGrid as ProfileGrid
+from .strips import ProfileRates as ProfileRates
+from .strips import WornStrips as WornStrips
+from .strips import profile_rates as profile_rates
+from .strips import total as total
+from .strips import worn_strips as worn_strips
