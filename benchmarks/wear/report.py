@@ -16,7 +16,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.common.machine import machine_description
-from benchmarks.wear import contact
+from benchmarks.wear import contact, removal
 from benchmarks.wear.check import Check
 
 CHECKS: Mapping[int, Callable[[], Iterator[Check]]] = {
@@ -24,7 +24,10 @@ CHECKS: Mapping[int, Callable[[], Iterator[Check]]] = {
     2: contact.identity,
     3: contact.rolling_cylinder,
     4: contact.energy,
+    5: removal.removed_volume,
+    6: removal.ripples,
     9: contact.mild_wear,
+    10: removal.measures,
     12: contact.models_agree,
 }
 

@@ -20,9 +20,9 @@ from wheelrail.contact.results.result import ContactResult, Fields
 from wheelrail.contact.wear.fatigue import ratcheting, whole_life_rail_damage
 from wheelrail.contact.wear.laws import SlidingCells, WearLaw
 from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.meshes.profiles.worn import CELL, cell_bounds
 from wheelrail.support.arrays import Array, Mask, Nodes
 
-CELL = 0.5e-3  # m, of profiles
 SHEAR_YIELD = 300e6  # Pa
 TRIMMED = 5  # strips of a row, at least, whose outer ones are narrowed to the contact
 APART = 1e-9  # m, least distance of the bounds of strips on a profile
@@ -203,14 +203,14 @@ class ProfileGrid:
     @classmethod
     def wheel(cls, profile: Profile, radius: float, cell: float = CELL) -> ProfileGrid:
         """Cells of about a size m on a wheel with a nominal radius m."""
-        bounds = _cells(profile, cell)
+        bounds = cell_bounds(profile, cell)
         heights = profile.point(0.5 * (bounds[1:] + bounds[:-1]))[:, 1]
         return cls("wheel", bounds, 2.0 * np.pi * (radius + heights))
 
     @classmethod
     def rail(cls, profile: Profile, cell: float = CELL) -> ProfileGrid:
         """Cells of about a size m on a rail."""
-        bounds = _cells(profile, cell)
+        bounds = cell_bounds(profile, cell)
         return cls("rail", bounds, np.ones(len(bounds) - 1))
 
     def rows(self, strips: WornStrips, place: Place | None) -> Iterator[tuple[Mask, Array]]:
@@ -259,11 +259,6 @@ def _monotone(x: Array, sums: Array) -> CubicHermiteSpline:
     slopes = np.zeros_like(sums)
     slopes[1:-1] = sign * np.clip(sign * CubicSpline(x, sums, bc_type="clamped")(x[1:-1], 1), 0.0, limit)
     return CubicHermiteSpline(x, sums, slopes)
-
-
-def _cells(profile: Profile, size: float) -> Array:
-    first, last = profile.s_range
-    return np.linspace(first, last, round((last - first) / size) + 1)
 
 
 @dataclass(frozen=True)
