@@ -42,10 +42,22 @@ LIMITS = {
 }
 
 
+_UNITS = {"removed_section": (1e6, "mm²"), "removed_mass": (1.0, "kg")}  # others: mm
+
+
 class _Measures:
     """Numbers in m, m2 and kg, NaN with a remark where a shape has none."""
 
     remarks: tuple[str, ...]
+
+    def __str__(self) -> str:
+        numbers = (
+            f"{name} {scale * value:.4g} {unit}"
+            for name, value in vars(self).items()
+            if name != "remarks"
+            for scale, unit in [_UNITS.get(name, (1e3, "mm"))]
+        )
+        return "; ".join([", ".join(numbers), *self.remarks])
 
     def beyond(self, limits: dict[str, Limit] = LIMITS) -> list[str]:
         """Words on measures outside their limits, by name."""

@@ -154,7 +154,7 @@ def test_the_noisy_pair_of_the_page(
     noisy_file(tmp_path / "worn_rail.ban", rail, rail.s_range[0] + 1e-3, rail.s_range[1] - 1e-3, 0.0, -1.0)
     curve = (ROOT / "scenes" / "curve.toml").read_text(encoding="utf-8")
     (tmp_path / "curve.toml").write_text(curve)
-    (code,) = blocks("profile", "python")
+    code, _ = blocks("profile", "python")
     names: dict[str, Any] = {}
     exec(compile(code, "profile.md", "exec"), names)
     assert re.search(r"noise of about 5(\.\d)? µm; noise = 5(\.\d)?e-06 m: error", capsys.readouterr().out)
@@ -169,3 +169,14 @@ def test_the_noisy_pair_of_the_page(
     scene = parse_scene(f"{text}\n{tables}", tmp_path / "curve.toml")
     assert scene.side("right").friction == 0.25  # type: ignore[union-attr]
     assert scene.side("left").radius == 0.46  # type: ignore[union-attr]
+
+
+def test_the_worn_wheel_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
+    _, code = blocks("profile", "python")
+    names: dict[str, Any] = {"wr": wr}
+    exec(compile(code, "profile.md", "exec"), names)
+    assert (
+        "Sh 28 mm, Sd 31.87 mm, qR 10.16 mm, hollow 0 mm, rolling_radius 460 mm, removed_section 10.63 mm²"
+        in capsys.readouterr().out
+    )
+    assert names["places"] == pytest.approx(names["contact"].results["left"].patches[0].wheel_s, abs=1e-3)
