@@ -64,7 +64,7 @@ def ripples() -> Iterator[Check]:
     for depth in 10.0 ** np.linspace(-8, -3, 101):
         left = step_factor(depth, 0.8e9, k, modulus=MODULUS, width=width)
         least, most = min(least, float(left.min())), max(most, float(left.max()))
-    yield Check("least fraction of a wave after a step, steps of 10 nm to 1 mm", -least, 2e-5)
+    yield Check("negative fraction of a wave after a step, steps of 10 nm to 1 mm", -least, 1e-12)
     yield Check("largest", most, 1.0)
     for wavelength, strips in ((3e-3, 40), (6e-3, 24)):
         pressure = _ripple_pressure(wavelength, strips)

@@ -41,6 +41,7 @@ class WornStrips:
         tiling: (m,) number of the row of adjacent strips; strips of a row have ascending places.
         share: (m,) of the row in the result, as `Fields.share`.
         patch: (m,).
+        pressure: (m,) Pa, mean over the cells.
         volume: (m,) m2 (m3 per m), removed.
         severe: (m,) m2, part of the volume in the severe branch of the law.
         energy: (m,) N (J per m), dissipated.
@@ -56,6 +57,7 @@ class WornStrips:
     tiling: Nodes
     share: Array
     patch: Nodes
+    pressure: Array
     volume: Array
     severe: Array
     energy: Array
@@ -118,7 +120,7 @@ def worn_strips(
     if result.status == "separated":
         none, numbers = np.zeros(0), np.zeros(0, dtype=int)
         return WornStrips(
-            none, none, none, numbers, none, numbers, none, none, none, np.zeros((0, 2)), none, none, none
+            none, none, none, numbers, none, numbers, none, none, none, none, np.zeros((0, 2)), none, none, none
         )
     if at is None or at.wheel_s is None or at.rail_s is None:
         raise ValueError("the contact has no cells on the profiles, as tables of forces have none")
@@ -145,6 +147,7 @@ def worn_strips(
         tiling=np.unique(strips[:, :2], axis=0, return_inverse=True)[1].ravel(),
         share=strips[:, 0],
         patch=strips[:, 1].astype(int),
+        pressure=summed(at.pressure[loaded] * area) / summed(area),
         volume=summed(removed) * factors,
         severe=summed(np.where(severe, removed, 0.0)) * factors,
         energy=summed(cells.dissipation * area),
@@ -267,6 +270,7 @@ class ProfileRates:
 
     Parameters:
         removed: (n,) m2, area of the section; over the width of the cell it is a depth.
+        pressed: (n,) N, the same times the mean pressures of the strips.
         severe: (n,) m2, part of it in the severe branch of the law.
         energy: (n,) J per m of circumference or rail.
         fatigue_index: (n,), sum of the surface fatigue index of passing patches that ratchet.
@@ -277,6 +281,7 @@ class ProfileRates:
     """
 
     removed: Array
+    pressed: Array
     severe: Array
     energy: Array
     fatigue_index: Array
@@ -285,6 +290,11 @@ class ProfileRates:
     outside: float
     t_gamma: float
     unbalanced: float
+
+    @property
+    def pressure(self) -> Array:
+        """Mean pressure (n,) Pa weighted by the removed area; 0 where nothing is removed."""
+        return np.divide(self.pressed, self.removed, out=np.zeros(len(self.removed)), where=self.removed > 0.0)
 
 
 def profile_rates(strips: WornStrips, grid: ProfileGrid, place: Place | None = None) -> ProfileRates:
@@ -298,12 +308,15 @@ def profile_rates(strips: WornStrips, grid: ProfileGrid, place: Place | None = N
     dissipated = _sums(strips.patch, strips.energy, len(strips.t_gamma))[strips.patch]
     of_patch = np.divide(strips.energy, dissipated, out=np.zeros(len(dissipated)), where=dissipated > 0.0)
     damage = np.maximum(whole_life_rail_damage(strips.t_gamma), 0.0)[strips.patch] * of_patch
-    values = np.column_stack([strips.volume, strips.severe, strips.energy, damage, strips.traction])
+    values = np.column_stack(
+        [strips.volume, strips.volume * strips.pressure, strips.severe, strips.energy, damage, strips.traction]
+    )
     cells = grid.deposited(strips, values, place)
     outside = float(strips.volume.sum() - cells[:, 0].sum())
-    removed, severe, energy, damaged, *traction = (cells / grid.per_passage[:, None]).T
+    removed, pressed, severe, energy, damaged, *traction = (cells / grid.per_passage[:, None]).T
     return ProfileRates(
         removed=removed,
+        pressed=pressed,
         severe=severe,
         energy=energy,
         fatigue_index=grid.covered(strips, strips.fatigue_index, place) / grid.per_passage,

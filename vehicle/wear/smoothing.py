@@ -19,7 +19,9 @@ from wheelrail.support.arrays import Array
 # Beyond worn cells the length falls by a third of the way: the filtered depth then ends as x^2.5, with its curvature.
 TAPER = 1.0 / 3.0
 LARGEST_REDUCTION = 4.0  # of the largest depth by the filter: a longer step would resolve the wear no more
-_ANGLES = np.linspace(0.0, np.pi, 1001)[1:]  # rad, k times the width of a cell, up to waves of two cells
+_ANGLES = np.linspace(0.0, np.pi, 401)[1:]  # rad, k times the width of a cell, up to waves of two cells
+_BETWEEN = 2e-5  # relative, largest error of a maximum over these angles
+LEAST = 0.01  # of the largest depth, below which the pressure of a cell at the edge of a strip is an interpolation
 
 
 class Step(NamedTuple):
@@ -41,15 +43,17 @@ def smoothing_length(depth: Array, pressure: Array, *, modulus: float, width: fl
 
     Parameters:
         depth: (n,) m, explicit depth D of the step.
-        pressure: (n,) Pa, mean pressure where the depth comes from; positive where there is depth.
+        pressure: (n,) Pa, mean where the depth comes from; positive in cells of 1 % of the largest depth or more.
         modulus: E*, Pa.
         width: of cells, m.
 
     Raises ValueError.
     """
-    worn = depth > 0.0
-    if not (np.isfinite(depth).all() and (depth >= 0.0).all() and (pressure[worn] > 0.0).all()):
-        raise ValueError("depths must be finite and not negative, with a positive pressure in worn cells")
+    if not (np.isfinite(depth).all() and (depth >= 0.0).all()):
+        raise ValueError("depths must be finite and not negative")
+    worn = (depth > 0.0) & (depth >= LEAST * depth.max())
+    if not (pressure[worn] > 0.0).all():
+        raise ValueError("cells with wear must have a positive pressure")
     length = np.where(worn, 0.25 * modulus * depth / np.where(worn, pressure, 1.0), 0.0)
     s = TAPER * width * np.arange(len(depth))
     rising = np.maximum.accumulate(length + s) - s  # from the left
@@ -83,7 +87,7 @@ def _ratio(x: Array) -> Array:
     worst = (1.0 + 1.0 / (12.0 * wide**2)) / wide  # k width, asymptotically
     angles = np.concatenate([np.broadcast_to(_ANGLES, (len(x), len(_ANGLES))), worst[:, None]], axis=1)
     needed = (2.0 * x[:, None] * angles - 1.0) / (4.0 * np.sin(0.5 * angles) ** 2)
-    return np.asarray(np.maximum(needed.max(axis=1), 0.0))
+    return np.asarray(np.maximum((1.0 + _BETWEEN) * needed.max(axis=1), 0.0))
 
 
 def step_factor(depth: float, pressure: float, wavenumber: Array, *, modulus: float, width: float) -> Array:

@@ -87,6 +87,18 @@ def test_wear_lies_where_the_patch_is() -> None:
         assert volume @ middle / volume.sum() == pytest.approx(power @ place / power.sum(), abs=1e-4)
 
 
+def test_pressure_of_what_is_removed() -> None:
+    """Sums of p over cells weighted by their strips' wear, however they are deposited; 0 where nothing wears."""
+    strips = worn_strips(solved("strips", STATE), Archard(), FRICTION, SPEED)
+    rates = profile_rates(strips, GRIDS[1])
+    mean = strips.volume @ strips.pressure / strips.volume.sum()
+    assert rates.pressed.sum() / rates.removed.sum() == pytest.approx(mean, rel=1e-12)
+    much = rates.removed > 0.05 * rates.removed.max()
+    assert 0.8 * strips.pressure.min() < rates.pressure[much].min()
+    assert rates.pressure[much].max() < 1.1 * strips.pressure.max()
+    assert not rates.pressure[rates.removed == 0.0].any()
+
+
 def test_a_map_moves_wear_and_loses_nothing() -> None:
     strips = worn_strips(solved("strips", STATE), Archard(), FRICTION, SPEED)
     fixed, moved = (profile_rates(strips, GRIDS[1], place) for place in (None, lambda s: 0.9 * s + 2.5e-3))
