@@ -1,3 +1,5 @@
+from .law_tables import LAWS as LAWS
+from .law_tables import law_from as law_from
 from .laws import Archard as Archard
 from .laws import Energy as Energy
 from .laws import Kth as Kth
@@ -7,7 +9,6 @@ from .laws import Usfd as Usfd
 from .laws import WearLaw as WearLaw
 from .laws import WearTable as WearTable
 from .laws import Zone as Zone
-from .laws import law_from as law_from
 from .strips import ProfileGrid as ProfileGrid
 from .strips import ProfileRates as ProfileRates
 from .strips import WornStrips as WornStrips

@@ -6,7 +6,6 @@ speed. Sliding under pressure p |w| is q / mu, also for contacts whose bound of 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import isfinite
 from typing import Any, ClassVar
@@ -212,32 +211,51 @@ class Energy(WearLaw):
 
 
 @dataclass(frozen=True, kw_only=True)
-class WearTable(WearLaw):
-    """Specific wear K(q) over the density, linear between points; beyond the last one with the last slope.
+class PointLaw(WearLaw):
+    """A law by points, linear in between, beyond the last one with the last slope.
 
     Parameters:
-        points: (q, K), Pa and kg/m3 (1 N/mm2 is 1e6 Pa, 1 ug/(m mm2) is 1e-3 kg/m3), by ascending q from (0, 0), which
-            may be left out.
-        density: kg/m3.
+        points: ascending, from (0, 0), which may be left out.
     """
 
     points: Points
-    density: float = DENSITY
 
+    axes: ClassVar[tuple[str, str]]
+    regular: ClassVar[float | None] = None  # largest abscissa that is not severe, if not the last one
     source: ClassVar[str] = "points as given"
-    remark: ClassVar[str] = "dissipation beyond the last point of the law, where its last slope is continued"
+    remark: ClassVar[str] = "cells beyond the last point of the law of wear, where its last slope is continued"
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "points", _points(self.points, "q", "K"))
+        object.__setattr__(self, "points", _points(self.points, *self.axes))
 
     @property
     def last(self) -> float:
-        """Largest q, Pa, that is not severe."""
-        return self.points[-1][0]
+        """Largest abscissa that is not severe."""
+        return self.points[-1][0] if self.regular is None else self.regular
+
+    def at(self, x: Array) -> Array:
+        """Ordinates (n,) at abscissas (n,)."""
+        at, value = np.array(self.points).T
+        slope = (value[-1] - value[-2]) / (at[-1] - at[-2])
+        return np.asarray(np.interp(x, at, value) + slope * np.maximum(x - at[-1], 0.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class WearTable(PointLaw):
+    """Specific wear K(q) over the density.
+
+    Parameters:
+        points: (q, K), Pa and kg/m3; 1 N/mm2 is 1e6 Pa, 1 ug/(m mm2) is 1e-3 kg/m3.
+        density: kg/m3.
+    """
+
+    density: float = DENSITY
+
+    axes: ClassVar[tuple[str, str]] = ("q", "K")
 
     def rate(self, cells: SlidingCells) -> Array:
-        return np.asarray(_continued(cells.dissipation, self.points) / self.density)
+        return np.asarray(self.at(cells.dissipation) / self.density)
 
     def severe(self, cells: SlidingCells) -> Mask:
         return np.asarray(cells.dissipation > self.last)
@@ -261,6 +279,7 @@ class Usfd(WearTable):
         (_SEVERE + 1e6, _PLATEAU + 61.9 * USFD_UNIT),
     )
 
+    regular: ClassVar[float | None] = _SEVERE
     source: ClassVar[str] = (
         "R. Lewis, R. S. Dwyer-Joyce, Proc. IMechE J 218 (2004) 467-478; F. Braghin et al., Wear 261 (2006) 1253-1264"
     )
@@ -270,36 +289,19 @@ class Usfd(WearTable):
         "continuous"
     )
 
-    @property
-    def last(self) -> float:
-        return _SEVERE
-
 
 @dataclass(frozen=True, kw_only=True)
-class TGamma(WearLaw):
+class TGamma(PointLaw):
     """A global law: volume per length of travel by T-gamma of a patch, over its cells like their dissipation.
 
     Parameters:
-        points: (T-gamma, volume), N and m3 per m, by ascending T-gamma from (0, 0), which may be left out; linear
-            between them, beyond the last one with the last slope.
+        points: (T-gamma, volume), N and m3 per m.
     """
 
-    points: Points
-
-    source: ClassVar[str] = "points as given"
-    remark: ClassVar[str] = "T-gamma beyond the last point of the law, where its last slope is continued"
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "points", _points(self.points, "T-gamma", "volume"))
-
-    @property
-    def last(self) -> float:
-        """Largest T-gamma, N, that is not severe."""
-        return self.points[-1][0]
+    axes: ClassVar[tuple[str, str]] = ("T-gamma", "volume")
 
     def rate(self, cells: SlidingCells) -> Array:
-        volume = _continued(cells.t_gamma, self.points)
+        volume = self.at(cells.t_gamma)
         per_energy = np.divide(volume, cells.t_gamma, out=np.zeros(len(volume)), where=cells.t_gamma > 0.0)
         return np.asarray(per_energy * cells.dissipation)
 
@@ -325,56 +327,7 @@ class PearceSherratt(TGamma):
     source: ClassVar[str] = "T. G. Pearce, N. D. Sherratt, Wear 144 (1991) 343-351"
     unsure: ClassVar[str] = "all coefficients"
     remark: ClassVar[str] = "T-gamma above 200 N: the severe branch of Pearce and Sherratt's law"
-
-    @property
-    def last(self) -> float:
-        return 200.0
-
-
-LAWS: Mapping[str, type[WearLaw]] = {
-    "archard": Archard,
-    "kth": Kth,
-    "usfd": Usfd,
-    "energy": Energy,
-    "table": WearTable,
-    "t-gamma": TGamma,
-    "pearce-sherratt": PearceSherratt,
-}
-
-
-def law_from(table: Mapping[str, Any]) -> WearLaw:
-    """Law of a table as in scene files: name, coefficients, scale, zones; points alone make a "table".
-
-    Raises ValueError that names the key, its value and what is allowed.
-    """
-    values = dict(table)
-    name = values.pop("name", "table" if "points" in values else None)
-    if name not in LAWS:
-        raise ValueError(f"law: name = {name!r}: must be one of {', '.join(LAWS)}")
-    law = LAWS[name]
-    keys = [part.name for part in fields(law)]
-    if name in ("usfd", "pearce-sherratt"):  # whose points are the law
-        keys.remove("points")
-    if unknown := [key for key in values if key not in keys]:
-        raise ValueError(f"law: {unknown[0]}: unknown for {name}, which has {', '.join(sorted(keys))}")
-    if name in ("table", "t-gamma") and "points" not in values:
-        raise ValueError(f'law: points: missing; "{name}" needs two or more pairs of numbers')
-    zones = values.get("zones", ())
-    if not (isinstance(zones, Sequence) and all(isinstance(zone, Mapping) for zone in zones)):
-        raise ValueError(f"law: zones = {zones!r}: must be a list of tables with factor and angle or s")
-    if zones:
-        values["zones"] = tuple(_zone(zone) for zone in zones)
-    return law(**values)
-
-
-def _zone(table: Mapping[str, Any]) -> Zone:
-    keys = [part.name for part in fields(Zone)]
-    if unknown := [key for key in table if key not in keys]:
-        raise ValueError(f"zone: {unknown[0]}: unknown, a zone has {', '.join(keys)}")
-    if "factor" not in table:
-        raise ValueError("zone: factor: missing; must be a number of at least 0")
-    limits = {key: tuple(table[key]) for key in ("angle", "s") if isinstance(table.get(key), list | tuple)}
-    return Zone(**{**table, **limits})
+    regular: ClassVar[float | None] = 200.0
 
 
 def _number(value: object) -> bool:
@@ -409,13 +362,6 @@ def _points(points: Any, x: str, y: str) -> Points:
     if values[-1, 1] < values[-2, 1]:
         raise ValueError(f"law: points = {points!r}: {y} must not fall at the end, where its slope is continued")
     return tuple((float(a), float(b)) for a, b in values)
-
-
-def _continued(x: Array, points: Points) -> Array:
-    """Linear interpolation at x (n,) between points, beyond the last one with the last slope."""
-    at, value = np.array(points).T
-    slope = (value[-1] - value[-2]) / (at[-1] - at[-2])
-    return np.asarray(np.interp(x, at, value) + slope * np.maximum(x - at[-1], 0.0))
 
 
 def _beyond(x: Array, limit: float) -> Array:

@@ -54,6 +54,7 @@ CHAPTERS: dict[str, tuple[str, ...]] = {
     ),
     "Contact: wear": (
         "wheelrail.contact.wear.laws",
+        "wheelrail.contact.wear.law_tables",
         "wheelrail.contact.wear.strips",
         "wheelrail.contact.wear.fatigue",
     ),

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from wheelrail.contact.wear.law_tables import LAWS, law_from
 from wheelrail.contact.wear.laws import (
     DENSITY,
     HARDNESS,
-    LAWS,
     Archard,
     Energy,
     Kth,
@@ -21,7 +21,6 @@ from wheelrail.contact.wear.laws import (
     WearLaw,
     WearTable,
     Zone,
-    law_from,
 )
 from wheelrail.support.arrays import Array
 
