@@ -317,7 +317,7 @@ def profile_rates(strips: WornStrips, grid: ProfileGrid, place: Place | None = N
     return ProfileRates(
         removed=removed,
         pressed=pressed,
-        severe=severe,
+        severe=np.minimum(severe, removed),  # curves through both differ between the bounds of strips
         energy=energy,
         fatigue_index=grid.covered(strips, strips.fatigue_index, place) / grid.per_passage,
         damage=damaged,

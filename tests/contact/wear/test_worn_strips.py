@@ -122,7 +122,10 @@ def test_severe_wear_is_told() -> None:
     with pytest.warns(UserWarning, match="0.8 times the hardness"):
         strips = worn_strips(result, Kth(hardness=5e8, limit=5e8), FRICTION, SPEED)
     rates = profile_rates(strips, GRIDS[0])
-    assert 0.0 < rates.severe.sum() <= rates.removed.sum()
+    assert (rates.severe <= rates.removed).all()
+    expected = strips.severe.sum() / strips.volume.sum()
+    assert 0.1 < expected < 1.0
+    assert rates.severe.sum() / rates.removed.sum() == pytest.approx(expected, rel=0.02)
 
 
 def test_friction_may_depend_on_the_slip() -> None:
