@@ -16,7 +16,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.common.machine import machine_description
-from benchmarks.wear import contact, removal
+from benchmarks.wear import contact, removal, steps
 from benchmarks.wear.check import Check
 
 CHECKS: Mapping[int, Callable[[], Iterator[Check]]] = {
@@ -26,6 +26,7 @@ CHECKS: Mapping[int, Callable[[], Iterator[Check]]] = {
     4: contact.energy,
     5: removal.removed_volume,
     6: removal.ripples,
+    7: steps.steps,
     9: contact.mild_wear,
     10: removal.measures,
     12: contact.models_agree,

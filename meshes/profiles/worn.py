@@ -68,8 +68,13 @@ def worn(new: _C, s: ArrayLike, removed_area: ArrayLike) -> _C:
 
 
 def new_arc_length(new: Curve, worn: Curve, s: ArrayLike) -> Array:
-    """Arc lengths (n,) m on the new profile of places s (n,) m of the worn one, by closest points."""
-    return new.closest(worn.point(np.asarray(s, dtype=float))).s
+    """Arc lengths (n,) m on the new profile of places s (n,) m of the worn one, by closest points.
+
+    Places beyond an end of the worn profile are as far beyond that place on the new one.
+    """
+    places = np.asarray(s, dtype=float)
+    on = np.clip(places, *worn.s_range)
+    return np.asarray(new.closest(worn.point(on)).s + places - on)
 
 
 class RemovedSection(NamedTuple):

@@ -116,6 +116,8 @@ def test_places_on_the_new_profile() -> None:
     at = np.linspace(worn.s_range[0] + 1e-3, worn.s_range[1] - 1e-3, 300)
     back = new_arc_length(new, worn, at)
     assert (np.diff(back) > 0.0).all()
+    end = worn.s_range[1]
+    np.testing.assert_allclose(np.diff(new_arc_length(new, worn, [end, end + 1e-3])), 1e-3)
     foot, normal = new.point(back), new.normal(back)
     across = np.einsum("ij,ij->i", worn.point(at) - foot, new.tangent(back))
     assert np.abs(across).max() < 1e-9
