@@ -163,6 +163,12 @@ void bind_problem(nb::module_& m) {
             },
             "strips"_a, "values"_a, "Whether the mean pressure over a cell of a state is negative.")
         .def(
+            "tension",
+            [](const LatticeProblem& p, Indices strips, const Array<double, 2>& values) {
+                return p.tension(state_of(p, strips, values));
+            },
+            "strips"_a, "values"_a, "Message on the largest tension of a state, and its place.")
+        .def(
             "remaining_penetration",
             [](LatticeProblem& p, Indices strips, const Array<double, 2>& values, const std::vector<long>& free,
                const std::vector<double>& low, const std::vector<double>& high, const StripBasis& cells) {

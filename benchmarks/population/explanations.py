@@ -15,7 +15,7 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 
 DEEPEST = 0.05  # m below the nominal height, to which loads are searched for
 OVERLAP = 5e-4  # m: heights with more are no contact of elastic bodies
-NAMED = re.compile(r"overlaps the rail \S+ mm deep at y = (\S+), z = (\S+) mm of its profile")
+NAMED = re.compile(r"overlaps the rail (\S+) mm deep at y = (\S+), z = (\S+) mm of its profile")
 OVERLOADED = re.compile(r"too deep for half-spaces: \S+ GPa are above")
 ALONG = re.compile(r"passes (\S+) mm along the rail")
 YIELDING = re.compile(r"do not settle.*would move them by \S+ mm")
@@ -23,6 +23,8 @@ NEAR = 5e-3  # m on the profile of a wheel
 ORDINARY = (-50e-3, 45e-3)  # m, where a wheel touches a rail between flange tip and rim
 STEEPEST = 0.05  # rad, to which a roll is looked for
 CORNER = 1e-3  # m on the profile of a wheel, to the place that touches first
+LOWEST, LOWERED = -18e-3, 1e-4  # m: end of a meshed rail's points from its top; steps in which a wheel is lowered
+ROUNDED, NORMALS = 0.99, 1.1  # times the depth in a text, along the wheel's normal, up to 25 degrees off the rail's
 TIP = 20e-3  # m, height on a flange above which it touches the rail as it climbs
 
 
@@ -32,8 +34,11 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
     rolls = resting_rolls(situation) if situation.solve.get("roll") == "solve" else [situation.solve.get("roll", 0.0)]
     named = NAMED.search(result.status)
     if named:
-        place = 1e-3 * float(named[1]), 1e-3 * float(named[2])
-        reasons = [_named(situation, side, place, roll) for roll in (at.roll, *rolls)]
+        depth, y, z = (1e-3 * float(number) for number in named.groups())
+        reasons = [
+            _named(situation, side, (y, z), roll) or _below_points(situation, side, (y, z), depth, roll)
+            for roll in (at.roll, *rolls)
+        ]
         if reason := next(filter(None, reasons), ""):
             return reason
     overloaded = OVERLOADED.search(result.status)
@@ -76,6 +81,21 @@ def _named(situation: Situation, side: Side, place: tuple[float, float], roll: f
         return f"names an overlap of the {'flange' if y < 0.0 else 'rim'}"
     ends = np.hypot(*(low.place[over, None, 1:] - rigid.rail_points[[0, -1]]).T)
     return "names an overlap of the end of the rail's profile" if ends.min() < CORNER else ""
+
+
+def _below_points(situation: Situation, side: Side, place: tuple[float, float], depth: float, roll: float) -> str:
+    """Reason of a failure that names an overlap m at a place (y, z) m of the wheel's profile, where a wheel that is
+    lowered has it only below the lines of a meshed rail; empty elsewhere.
+    """
+    if situation.wheelset.get("bodies") not in ("waveguide", "solid"):
+        return ""
+    rigid, at = situation.rigid[side], situation.position(side, 0.0, roll)
+    k = int(np.argmin(np.hypot(*(rigid.wheel_points - place).T)))
+    for z in np.arange(rigid.first_contact(at), -DEEPEST, -LOWERED):
+        low = rigid.section(replace(at, z=z))
+        if low.place[k, 2] < LOWEST and ROUNDED * depth < low.depth[k] < NORMALS * depth:
+            return "touches the side of the rail farther down than meshed rails have points"
+    return ""
 
 
 def _touches_corner(situation: Situation, side: Side, roll: float) -> bool:

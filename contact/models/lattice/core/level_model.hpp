@@ -92,8 +92,9 @@ class LevelModel {
     }
 
     // Outcome of the equations on the strips of this level, for any number of loaded strips. earlier: solution of
-    // another pose, or none.
-    LatticeOutcome solve(const std::shared_ptr<LatticeProblem>& of, const LatticeSolution* earlier) const {
+    // another pose, or none. wider: state of this pose on wider strips, or none; without tension, it is the only start.
+    LatticeOutcome solve(const std::shared_ptr<LatticeProblem>& of, const LatticeSolution* earlier,
+                         const LatticeState* wider = nullptr) const {
         auto start = std::chrono::steady_clock::now();
         LatticeProblem& problem = *of;
         double approach = problem.approach();
@@ -110,8 +111,10 @@ class LevelModel {
         try {
             problem.check_inside();
             LatticeOutcome done;
-            auto found = earlier ? from_earlier(problem, *earlier, done.count) : std::nullopt;
-            if (!found || problem.tensile(found->state)) found = from_none(problem, done.count);
+            auto found = wider     ? from_wider(problem, *wider, done.count)
+                         : earlier ? from_earlier(problem, *earlier, done.count)
+                                   : std::nullopt;
+            if (!found || (!wider && problem.tensile(found->state))) found = from_none(problem, done.count);
             const auto& state = found->state;
             problem.check_loaded(state.strips);
             done.solution = done.warm = std::make_shared<LatticeSolution>(*found);
@@ -154,6 +157,17 @@ class LevelModel {
         } catch (const NotConverged&) {
             return {};
         } catch (const OutsideSurface&) {
+            return {};
+        }
+    }
+
+    // Solution from a state of the same pose on wider strips; none where that does not converge. From none a solve
+    // takes up to 100 times as long: it begins with all strips that overlap, of which few are loaded.
+    std::optional<LatticeSolution> from_wider(LatticeProblem& problem, const LatticeState& wider,
+                                              IterationCount& count) const {
+        try {
+            return LatticeNewton(problem, count, look).solve(wider, COLD_ITERATIONS);
+        } catch (const NotConverged&) {
             return {};
         }
     }
@@ -205,17 +219,29 @@ class LevelModel {
                                    double approach) const {
         long S = long(solution->state.strips.size());
         double tension = -problem.least_pressure(solution->state), halved = INFINITE;
+        std::string tried;
+        bool narrow = false;
         for (const auto& model : finer ? finer() : Models{}) {
             long narrower = model->level - level, unknowns = (S << narrower) * model->setting->block();
             if (S > strips && (narrower > 1 || unknowns > MOST_UNKNOWNS)) continue;
             if (narrower > 1 && halved - 0.5 * (tension - halved) > 0.0) continue;
-            auto done = model->solve(model->problem(problem.given()), nullptr);
+            auto own = model->problem(problem.given());
+            LatticeState divided;
+            if (narrower) divided = divided_strips(solution->state, problem.lattice(), *own);
+            auto done = model->solve(own, nullptr, narrower ? &divided : nullptr);
             if (narrower == 1) halved = done.tension;
+            narrow = narrow || narrower;
+            tried += tried.empty() ? ", also " : ", ";
+            tried += narrower ? text("on 1/%d of the width", 1 << narrower)
+                              : text("with %ld cells", model->setting->cells());
             if (!done.ok()) continue;
             done.warm = solution;
             return done;
         }
-        auto failed = LatticeOutcome::failed(problem.tension(solution->state), approach);
+        bool grids = problem.tables().finite();
+        auto help = !narrow ? "more strips" : grids ? "points = \"grid\"" : "model = \"standard\"";
+        auto failed =
+            LatticeOutcome::failed(problem.tension(solution->state) + tried + "; " + help + " may serve", approach);
         failed.tension = tension;
         return failed;
     }

@@ -89,19 +89,24 @@ def test_tension_is_solved_on_more_cells() -> None:
     status = contact(state, "left").status
     assert re.fullmatch(
         r"failed: the wheel overlaps the rail \S+ mm deep at y = \S+, z = \S+ mm of its profile, "
-        r"where the pressure is negative at an end of a strip; more strips may serve",
+        r"where the pressure is negative at an end of a strip, also with 12 cells, with 24 cells, on 1/2 of the width; "
+        r'model = "standard" may serve',
         status,
     )
 
 
-def test_tension_of_wide_contacts_is_solved_on_narrower_strips() -> None:
+def test_tension_of_wide_contacts_is_solved_on_narrower_strips(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a flange's face 0.02 to 0.13 % of the peak were tension on any number of cells."""
     contact, state = replace(wheelset(6, 6, 0.3), model=replace(wheelset(6, 6, 0.3).model)), at(2e-3, -4e-4)
     assert contact(state, "left").statistics.points > 6 * 6
     for model in (contact.model, *contact.model._finer[:-2]):
         model._setting.least_pressure = np.inf
-    found, narrower = contact(state, "left"), replace(contact, model=contact.model.on(1))(state, "left")
+    narrower = replace(contact, model=contact.model.on(1))(state, "left")
+    monkeypatch.setattr(LatticeContact, "_check_size", lambda self, _: started.append(self.level))
+    started: list[int] = []
+    found = contact(state, "left")
     assert found.ok
+    assert set(started) == {0}, "narrower strips start from the wider ones: those that overlap are many"
     np.testing.assert_allclose(found.force, narrower.force, rtol=1e-6)
 
 
@@ -110,7 +115,14 @@ def test_tension_that_half_the_width_does_not_lower_is_not_sought_on_a_quarter()
     contact, state = replace(wheelset(6, 6, 0.3), model=replace(wheelset(6, 6, 0.3).model)), at(2e-3, -1e-4)
     for model in (contact.model, *contact.model._finer[:-1]):
         model._setting.least_pressure = np.inf
-    assert "negative at an end of a strip" in contact(state, "left").status
+    assert contact(state, "left").status.endswith('on 1/2 of the width; model = "standard" may serve')
+
+
+def test_tension_that_is_not_sought_on_narrower_strips_may_vanish_on_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    contact, state = replace(wheelset(6, 6, 0.3), model=replace(wheelset(6, 6, 0.3).model)), at(2e-3, -1e-4)
+    monkeypatch.setattr(LatticeContact, "_finer", ())
+    contact.model._setting.least_pressure = np.inf
+    assert contact(state, "left").status.endswith("at an end of a strip; more strips may serve")
 
 
 def test_tension_of_cells_is_found() -> None:
@@ -121,6 +133,9 @@ def test_tension_of_cells_is_found() -> None:
     upright, tilted = (np.array([[1e9, tilt, 0.0, 0.0, *ends]]) for tilt in (4e8, -8e8))
     assert not problem.tensile(strips, upright)
     assert problem.tensile(strips, tilted)
+    assert "negative at an end of a strip" in problem.tension(strips, tilted)
+    parted = np.array([[1e9, 0.0, 2e9, 0.0, *ends]])
+    assert "negative between two places of a strip, which has one" in problem.tension(strips, parted)
 
 
 @pytest.mark.parametrize("ratio", [0.2, 1.0, 1.4])

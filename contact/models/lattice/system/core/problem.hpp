@@ -4,6 +4,7 @@
 // displacement by all tractions. Friction: F(q, s, p) = 0 in every cell, s the rigid slip plus the elastic one over the
 // rolling speed. Ends of strips are unknowns like the others.
 #pragma once
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -15,7 +16,8 @@
 namespace wr {
 
 inline const char* const PATCH_TOO_LONG = "the patch is longer than the tables of influence";
-inline const char* const TENSION = "the pressure is negative at an end of a strip; more strips may serve";
+inline const char* const TENSION[] = {"the pressure is negative at an end of a strip",
+                                      "the pressure is negative between two places of a strip, which has one"};
 inline const char* const PROFILE_ENDS = "where a profile ends";
 constexpr double MISSED = 1e-4;  // m, largest overlap that strips may miss: as means over their widths they have less
 
@@ -198,9 +200,12 @@ class LatticeProblem {
     // Message on the largest tension of a tensile solution, and its place.
     std::string tension(const LatticeState& state) const {
         auto pressures = cell_pressures(state.values, at.basis, at.rolls());
-        auto cell = std::min_element(pressures.begin(), pressures.end()) - pressures.begin();
-        return at.surface.revolves ? overlap_at(state.strips[cell / at.cells()], std::string("where ") + TENSION)
-                                   : TENSION;
+        auto least = std::min_element(pressures.begin(), pressures.end());
+        long strip = (least - pressures.begin()) / at.cells();
+        auto first = pressures.begin() + strip * at.cells(), last = first + at.cells();
+        auto more = [&](auto from, auto to) { return std::accumulate(from, to, *least) > 0.0; };  // than the tension
+        auto what = TENSION[*least < 0.0 && more(first, least) && more(least + 1, last)];
+        return at.surface.revolves ? overlap_at(state.strips[strip], std::string("where ") + what) : what;
     }
 
   private:
@@ -238,5 +243,22 @@ class LatticeProblem {
     std::optional<Array<double, 1>> slips;
     std::map<Strips, Owned<EquationData>> stored;
 };
+
+// State of a pose on wider strips as one on narrower ones: with the values of those in which their middles lie.
+inline LatticeState divided_strips(const LatticeState& state, const Lattice& wider, const LatticeProblem& narrower) {
+    LatticeState divided;
+    std::vector<long> from;
+    const auto& middle = narrower.lattice().middle;
+    for (long i = 0; i < long(state.strips.size()); ++i) {
+        long own = state.strips[i];
+        for (long k = 0; k < middle.size(); ++k)
+            if (narrower.lines.near(k) && 2.0 * std::abs(middle(k) - wider.middle(own)) < wider.width(own))
+                divided.strips.push_back(k), from.push_back(i);
+    }
+    divided.values = Array<double, 2>(long(from.size()), state.values.shape[1]);
+    for (std::size_t i = 0; i < from.size(); ++i)
+        std::copy(state.values[from[i]].begin(), state.values[from[i]].end(), divided.values[long(i)].begin());
+    return divided;
+}
 
 }  // namespace wr
