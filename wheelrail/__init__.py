@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from wheelrail.api.runs import Run, run
     from wheelrail.api.solution import Solution
     from wheelrail.api.studies import Study, study
+    from wheelrail.api.wear import Wear, wear
     from wheelrail.api.wheelset import Wheelset
     from wheelrail.explorer.start import explore
     from wheelrail.scenes.schema.errors import SceneError
@@ -37,6 +38,7 @@ _HOMES = {
     "SceneError": "wheelrail.scenes.schema.messages",
     "Solution": "wheelrail.api.solution",
     "Study": "wheelrail.api.studies",
+    "Wear": "wheelrail.api.wear",
     "Wheelset": "wheelrail.api.wheelset",
     "WheelsetElement": "wheelrail.api.elements.wheelset_element",
     "contact_geometry": "wheelrail.api.contact_geometry",
@@ -50,6 +52,7 @@ _HOMES = {
     "report": "wheelrail.api.files",
     "run": "wheelrail.api.runs",
     "study": "wheelrail.api.studies",
+    "wear": "wheelrail.api.wear",
 }
 __all__ = [
     "Hertz",
@@ -58,6 +61,7 @@ __all__ = [
     "SceneError",
     "Solution",
     "Study",
+    "Wear",
     "Wheelset",
     "WheelsetElement",
     "contact_geometry",
@@ -71,6 +75,7 @@ __all__ = [
     "report",
     "run",
     "study",
+    "wear",
 ]
 
 load_libraries_outside()

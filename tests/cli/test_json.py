@@ -51,6 +51,7 @@ COMMANDS = {
     "evaluate": ("DIR/run",),
     "study": ("DIR/study.toml", "--out", "DIR/study"),
     "table": ("DIR/wheelset.toml", "--out", "DIR/table.nc"),
+    "wear": ("DIR/wear.toml", "--out", "DIR/wear"),
     "wagon": (),
     "example": (),
     "view": ("DIR/wheelset.toml", "--out", "DIR/view.png"),

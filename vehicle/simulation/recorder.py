@@ -14,6 +14,8 @@ from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.multibody.equations import VehicleEvaluation
 from wheelrail.vehicle.simulation.row import Row, without_contacts
 
+Observer = Callable[[float, Array, VehicleEvaluation], None]
+
 
 @dataclass
 class Recorder:
@@ -24,6 +26,7 @@ class Recorder:
             output, `Step.at`. Raises StepFailure.
         each: values of a function for each task, perhaps by several threads.
         every: interval s; None: at accepted steps. A contact that fails within a step has NaN forces and no patch.
+        observer: called with the time s, state and evaluation of each row.
         rows: recorded so far.
         latest: time s and state at the last accepted step.
     """
@@ -31,6 +34,7 @@ class Recorder:
     between: Callable[[Step[VehicleEvaluation], float, Array], tuple[Array, VehicleEvaluation]]
     each: Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Iterable[Any]]
     every: float | None
+    observer: Observer | None = None
     rows: list[Row] = field(default_factory=list)
     latest: tuple[float, Array] = field(init=False)
 
@@ -74,4 +78,6 @@ class Recorder:
     def _row(self, time: float, state: Array, at: VehicleEvaluation) -> Row:
         patches = [(result.patches,) for sides in at.contacts.values() for result in sides.values()]
         list(self.each(len, patches))  # computes them
+        if self.observer is not None:
+            self.observer(time, state, at)
         return Row.of(time, state, at)

@@ -24,7 +24,7 @@ from wheelrail.vehicle.simulation.excitation import Excitation
 from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.limits import SLOWEST, Limits, OutOfBounds, describe_position
 from wheelrail.vehicle.simulation.rail_following import rail_following
-from wheelrail.vehicle.simulation.recorder import Recorder
+from wheelrail.vehicle.simulation.recorder import Observer, Recorder
 from wheelrail.vehicle.simulation.structure_motions import with_motions_at_rates
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError
 from wheelrail.vehicle.steady.start_state import start_state
@@ -39,12 +39,15 @@ class Recording:
     Parameters:
         interval: between rows, s; None: rows at accepted steps.
         checkpoints: spacing, receiver and start; None: no checkpoints.
+        observer: called with the time s, state and evaluation of every row, for what rows do not keep; not with those
+            before a checkpoint.
 
     Raises ValueError for an interval that is not positive.
     """
 
     interval: float | None = None
     checkpoints: Checkpoints | None = None
+    observer: Observer | None = None
 
     def __post_init__(self) -> None:
         if self.interval is not None and not self.interval > 0.0:
@@ -87,7 +90,7 @@ class TimeRun:
         )
         self.uncounted = dynamics
         self.dynamics = replace(dynamics, contact=CountedContact(dynamics.contact, self.cost.contact))
-        self.recorder = Recorder(self.between, dynamics.contact.each, recording.interval)
+        self.recorder = Recorder(self.between, dynamics.contact.each, recording.interval, recording.observer)
         self.recorder.rows = list(self.latest.rows) if self.latest else []
         self.began = perf_counter() - self.cost.seconds
 

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from wheelrail.api.rigid_pair import contact_values, rigid_wheelset
-from wheelrail.contact.geometry.first_contact import (
-    FirstContact,
-    RigidWheelset,
-    contact_without_roll,
-    first_contacts_over,
+from wheelrail.contact.geometry.first_contact import FirstContact, RigidWheelset, first_contacts_over
+from wheelrail.contact.geometry.wheelset_conicity import (
+    difference_with_roll,
+    difference_without_roll,
+    wheelset_conicity,
 )
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.meshes.profiles.profile import Profile
@@ -25,12 +25,6 @@ from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from xarray import Dataset
-
-FINEST = 1e-4  # m, largest spacing of the lateral positions for the equivalent conicity
-BEND = 2e-5  # m, of the rolling radius difference from a line between positions, which are closer above it, down to
-NARROW = 2e-6  # m
-BEYOND = (5e-3, 4e-3, 3e-3, 2e-3, 1e-3, 0.0)  # m, tried in this order
-
 
 BY_SIDE = ("y", "side")
 GEOMETRY: Schema = {
@@ -86,10 +80,10 @@ def contact_geometry(
     radii = values["rolling_radius"]
     amplitude = np.unique(positions[positions > 0.0])
     conicity = {
-        name: _on_demand(amplitude.shape, partial(_conicity, wheelset, amplitude, difference))
+        name: _on_demand(amplitude.shape, partial(wheelset_conicity, wheelset, amplitude, difference))
         for name, difference in (
-            ("equivalent_conicity", _difference_without_roll),
-            ("equivalent_conicity_with_roll", _difference_with_roll),
+            ("equivalent_conicity", difference_without_roll),
+            ("equivalent_conicity_with_roll", difference_with_roll),
         )
     }
     places = {"y": positions, "side": list(SIDES), "amplitude": amplitude}
@@ -170,77 +164,3 @@ def _by_side(wheelset: RigidWheelset, touches: Sequence[Mapping[Side, FirstConta
             for name, value in contact_values(wheelset, touch[side], side).items():
                 values[name][row, column] = value
     return values
-
-
-def _difference_with_roll(wheelset: RigidWheelset, y: Array) -> Array:
-    """Rolling radius difference (n,) m at positions (n,) m of the wheelset that touches both rails."""
-    touches = [touch for _, touch in first_contacts_over(wheelset, y)]
-    left, right = (np.array([_rolling_radius(wheelset.on(side), touch[side]) for touch in touches]) for side in SIDES)
-    return np.asarray(left - right)
-
-
-def _difference_without_roll(wheelset: RigidWheelset, y: Array) -> Array:
-    """Rolling radius difference (n,) m at positions (n,) m of a wheelset that does not roll."""
-    left, right = (
-        np.array([_rolling_radius(pair, contact_without_roll(pair, at)) for at in (hand * y).tolist()])
-        for pair, hand in ((wheelset, 1.0), (wheelset.on("right"), -1.0))
-    )
-    return np.asarray(left - right)
-
-
-def _rolling_radius(wheelset: RigidWheelset, touch: FirstContact) -> float:
-    return wheelset.pair.radius + float(wheelset.pair.wheel.point(touch.wheel_s)[1])
-
-
-def _conicity(
-    wheelset: RigidWheelset, amplitude: Array, difference_at: Callable[[RigidWheelset, Array], Array]
-) -> Array:
-    """Equivalent conicity (n,) at amplitudes (n,) m, in order.
-
-    Parameters:
-        wheelset: profiles and mounting.
-        amplitude: (n,) m.
-        difference_at: rolling radius difference (n,) m of the wheelset at positions (n,) m.
-
-    The difference is sampled closer across its jumps and bends.
-    """
-    from wheelrail.contact.geometry.conicity import equivalent_conicity
-
-    if not amplitude.size:
-        return np.empty(0)
-    y, difference = _sampled(wheelset, float(amplitude[-1]), difference_at)
-    while len(wide := np.flatnonzero(_bent(y, difference) & (np.diff(y) > NARROW))):
-        between = 0.5 * (y[wide] + y[wide + 1])
-        difference = np.insert(difference, wide + 1, difference_at(wheelset, between))
-        y = np.insert(y, wide + 1, between)
-    base, radius = 2.0 * wheelset.mounting.wheel_y, wheelset.mounting.radius
-    return equivalent_conicity(y, difference, amplitude, base=base, radius=radius)
-
-
-def _bent(y: Array, difference: Array) -> NDArray[np.bool_]:
-    """Which of the (n - 1) intervals between positions have an end away from the line between its neighbours."""
-    part = np.diff(y)[:-1] / (y[2:] - y[:-2])
-    away = np.abs(difference[:-2] + part * (difference[2:] - difference[:-2]) - difference[1:-1]) > BEND
-    return np.asarray(np.concatenate([[False], away]) | np.concatenate([away, [False]]))
-
-
-def _sampled(
-    wheelset: RigidWheelset, amplitude: float, difference_at: Callable[[RigidWheelset, Array], Array]
-) -> tuple[Array, Array]:
-    """Positions (n,) m at most FINEST apart up to an amplitude m, and the rolling radius difference there.
-
-    They start from 0 where the sides are alike. Sides that differ swing about another position, so that theirs reach
-    farther to both sides, by BEYOND or as far as both wheels touch.
-    """
-    if wheelset.right is None:
-        y = np.linspace(0.0, amplitude, max(2, int(np.ceil(amplitude / FINEST))) + 1)
-        return y, difference_at(wheelset, y)
-    for farther in BEYOND:
-        reach = amplitude + farther
-        y = np.linspace(-reach, reach, 2 * max(2, int(np.ceil(reach / FINEST))) + 1)
-        try:
-            return y, difference_at(wheelset, y)
-        except ValueError:
-            if farther == 0.0:
-                raise
-    raise AssertionError

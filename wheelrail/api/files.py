@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from wheelrail.api.runs import Run
     from wheelrail.api.solution import Solution
     from wheelrail.api.studies import Study
+    from wheelrail.api.wear import Wear
     from wheelrail.api.wheelset import Wheelset
     from wheelrail.meshes.profiles.profile import Kind, Profile
 
@@ -46,17 +47,18 @@ def load(scene: str | Path) -> Hertz | Wheelset:
     return Wheelset(**keys)
 
 
-def open(file: str | Path) -> Solution | Run | Study:
+def open(file: str | Path) -> Solution | Run | Study | Wear:
     """Read results from a NetCDF file.
 
     Parameters:
-        file: written by `to_netcdf`, or run.nc or study.nc of the command line.
+        file: written by `to_netcdf`, or run.nc, study.nc or wear.nc of the command line.
 
     Raises SceneError for a file without results of wheelrail, FileNotFoundError.
     """
     from wheelrail.api.runs import Run
     from wheelrail.api.solution import Solution
     from wheelrail.api.studies import Study
+    from wheelrail.api.wear import Wear
     from wheelrail.scenes.datasets.contact import check_contact
     from wheelrail.scenes.datasets.netcdf import read
     from wheelrail.scenes.datasets.run_file import run_of
@@ -71,9 +73,11 @@ def open(file: str | Path) -> Solution | Run | Study:
     if data.attrs.get("kind") == KIND:
         check_study_data(data, Path(file))
         return Study(data)
+    if {"step", "removed_area"} <= {*data.dims, *data.data_vars}:
+        return Wear(data)
     if "time" in data.dims and "patches" in data:
         return Run(run_of(data, Path(file)))
-    raise SceneError(f"{file}: must be the results of a contact solution, a vehicle run or a study of wheelrail")
+    raise SceneError(f"{file}: must be the results of a contact solution, a vehicle run, a study or wear of wheelrail")
 
 
 def report(folder: str | Path, file: str | Path | None = None, *, view: bool = True) -> Path:

@@ -41,7 +41,12 @@ def wheelset_contact(scene: WheelsetScene | RunScene, profiles: SideProfiles | N
     """
     pairs = profiles or side_profiles(scene)
     left = _side_contact(scene, "left", pairs["left"])
-    return left if scene.sides_alike else replace(left, right=_side_contact(scene, "right", pairs["right"]))
+    return left if _alike(scene, pairs) else replace(left, right=_side_contact(scene, "right", pairs["right"]))
+
+
+def _alike(scene: WheelsetScene | RunScene, pairs: SideProfiles) -> bool:
+    """Whether one model serves both sides: those of the scene, and the profiles given in place of its own."""
+    return scene.sides_alike and all(a is b for a, b in zip(pairs["left"], pairs["right"], strict=True))
 
 
 def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profile, Profile]) -> WheelsetContact:
@@ -150,7 +155,7 @@ def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | Non
         assert radius is not None
         return RigidWheelset(RigidWheelRail(*pairs[side], radius), mounted(scene, pairs[side][1]))
 
-    return on("left") if scene.sides_alike else replace(on("left"), right=on("right"))
+    return on("left") if _alike(scene, pairs) else replace(on("left"), right=on("right"))
 
 
 def flexibility(scene: WheelsetScene | RunScene, profiles: SideProfiles) -> Flexibility:

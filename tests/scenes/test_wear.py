@@ -1,0 +1,173 @@
+"""Wear of wheels over a duty: conservation, hands, shares, resume, renewed bodies, bad files, pictures."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+from xarray import Dataset
+
+import wheelrail as wr
+from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.wear.cases import Duty
+from wheelrail.scenes.wear.loop import WearLoop
+from wheelrail.scenes.wear.schema import check_wear
+
+SCENES = Path(__file__).parents[2] / "scenes"
+VEHICLE = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manchester_vehicle.toml")}
+SHARP = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
+WIDE = {"curvature": 1.0 / 1200.0, "cant": 0.06, "speed": 35.0}
+SECONDS = "seconds"
+
+
+def wear(*duty: Mapping[str, Any], folder: Path | None = None, resume: bool = False, **more: Any) -> Dataset:
+    """Results of some cases."""
+    table = check_wear({**VEHICLE, "law": {"name": "usfd", "scale": 0.18}, "until": 1.0, "duty": duty, **more})
+    return WearLoop(Duty(table, Path("wear.toml")), folder).run(resume=resume)
+
+
+@pytest.fixture(scope="module")
+def steps(tmp_path_factory: pytest.TempPathFactory) -> tuple[Dataset, Path]:
+    """Three steps of two curves, and their folder."""
+    folder = tmp_path_factory.mktemp("wear")
+    duty = {"share": 0.6, "steady": WIDE, "both_hands": True}, {"share": 0.4, "steady": SHARP, "name": "sharp"}
+    return wear(*duty, folder=folder, until=4e6, depth=1e-4), folder
+
+
+def test_what_is_worn_is_removed(steps: tuple[Dataset, Path]) -> None:
+    """Sections are rates times distance, and lie between the profiles."""
+    data, _ = steps
+    assert data.attrs["status"] == "completed"
+    assert data["distance"].values[-1] == 4e6
+    distance = np.diff(data["distance"].values)
+    removed = data["removed_area"].values[:, 0].sum(axis=1)
+    rate = data["area_rate"].values[:-1, 0].sum(axis=1)
+    np.testing.assert_allclose(removed[1:], np.cumsum(distance * rate), rtol=1e-12)
+    np.testing.assert_allclose(data["removed_section"].values[1:, 0], removed[1:], rtol=1e-5)
+    by_case = np.einsum("c,kcps->kps", data["share"].values, data["depth_rate"].values[:-1])
+    width = np.diff(data["s"].values).mean()
+    np.testing.assert_allclose(width * by_case, data["area_rate"].values[:-1], rtol=1e-10, atol=1e-30)
+    assert np.diff(data["depth"].values.max(axis=(1, 2))).max() <= 1.001e-4
+    assert (data["outside_rate"].values[:-1] <= 1e-6 * rate[:, None]).all()
+
+
+def test_energy_of_the_cells_is_that_of_the_patches(steps: tuple[Dataset, Path]) -> None:
+    """Over the circumference of each cell it is T-gamma of a wheel."""
+    data, _ = steps
+    radius = 0.46 + data["new_z"].values[0]
+    width = np.diff(data["s"].values).mean()
+    energy = (data["energy_rate"].values[:-1, :, 0] * 2.0 * np.pi * radius * width).sum(axis=2)
+    np.testing.assert_allclose(energy, data["t_gamma"].values[:-1], rtol=1e-9)
+
+
+def test_a_killed_loop_resumes_with_all_bits(steps: tuple[Dataset, Path], tmp_path: Path) -> None:
+    data, folder = steps
+    shutil.copytree(folder / "steps", tmp_path / "steps")
+    files = sorted((tmp_path / "steps").iterdir())
+    for file in files[1:]:
+        file.unlink()
+    (tmp_path / "steps" / "00001.nc.part").write_bytes(b"half")
+    duty = {"share": 0.6, "steady": WIDE, "both_hands": True}, {"share": 0.4, "steady": SHARP, "name": "sharp"}
+    resumed = wear(*duty, folder=tmp_path, resume=True, until=4e6, depth=1e-4)
+    xarray.testing.assert_equal(resumed.drop_vars(SECONDS), data.drop_vars(SECONDS))
+    with pytest.raises(SceneError, match="of another wear; omit --resume"):
+        wear(*duty, folder=tmp_path, resume=True, until=4e6, depth=2e-4)
+
+
+def test_hands_are_mirror_images_and_shares_linear() -> None:
+    left, right = (
+        wear({"share": 1.0, "steady": {**SHARP, "curvature": hand / 600.0}}, profiles="sides", until=5e5)
+        for hand in (1.0, -1.0)
+    )
+    depth, mirrored = left["depth"].values[-1], right["depth"].values[-1, ::-1]
+    assert depth.max() > 1e-6
+    np.testing.assert_allclose(depth, mirrored, atol=1e-9)
+    assert abs(depth[0] - depth[1]).max() > 0.3 * depth.max()
+    both = wear({"share": 1.0, "steady": SHARP, "both_hands": True}, profiles="sides")
+    rates = both["depth_rate"].values[0, 0]
+    np.testing.assert_allclose(rates[0], 0.5 * left["depth_rate"].values[0, 0].sum(axis=0), atol=1e-9 * rates.max())
+    one = wear({"share": 1.0, "steady": SHARP})
+    np.testing.assert_allclose(one["depth_rate"].values[0, 0, 0], rates[0], atol=1e-9 * rates.max())
+    cases = {"share": 0.25, "steady": SHARP}, {"share": 0.75, "steady": WIDE}
+    mixed = wear(*cases, until=1.0)
+    expected = 0.25 * mixed["depth_rate"].values[0, 0] + 0.75 * mixed["depth_rate"].values[0, 1]
+    width = np.diff(mixed["s"].values).mean()
+    np.testing.assert_allclose(mixed["area_rate"].values[0], width * expected, rtol=1e-12, atol=1e-30)
+
+
+def test_rows_of_a_run_wear_and_limits_turn_the_wheels() -> None:
+    """A vehicle that runs straight wears its tread alike on both sides; it is turned as soon as it is hollow."""
+    tangent = {"track.segments": [{"kind": "tangent", "length": 12.0}]}
+    run = {"share": 1.0, "scene": str(SCENES / "vehicle_irregular.toml"), "set": tangent, "start": 4.0}
+    data = wear(run, until=3e5, step=1e5, reprofile={"hollow": 0.0, "Sh": 0.028}, interval=1.0)
+    assert data["turned"].values.tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert (data["depth"].values[1:] == 0.0).all()
+    assert data["t_gamma"].values[0, 0] > 0.0
+
+
+def test_bodies_are_renewed_with_the_depth() -> None:
+    """Strips on the compliance of a profile 0.1 mm ago wear as on that of the present one."""
+    change = {"bodies": "half-space", "strips": 6, "cells": 10, "model": "condensed", "surface_size": 1e-3}
+    case = {"share": 1.0, "steady": WIDE, "set": {**change, "laws": "exact"}}
+    kept, renewed = (wear(case, until=2e6, depth=1e-4, renew=renew) for renew in (2e-3, 1e-6))
+    rates = [data["area_rate"].values[1, 0] for data in (kept, renewed)]
+    assert rates[0].sum() == pytest.approx(rates[1].sum(), rel=5e-3)
+    np.testing.assert_allclose(rates[0], rates[1], atol=0.02 * rates[1].max())  # strips lie elsewhere
+    np.testing.assert_allclose(kept["t_gamma"].values[1], renewed["t_gamma"].values[1], rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ({"duty": [{"share": 0.5, "steady": WIDE}]}, r"duty = .*shares sum to 0.5: must be 1|shares sum to 0.5"),
+        ({"law": {"name": "holm"}}, "law = .*must be one of archard|name = 'holm': must be one of archard"),
+        ({"law": {"name": "archard", "hardness": 0.0}}, "hardness = 0.0: must be a finite number, positive"),
+        ({"scene": "none.toml"}, "scene = 'none.toml'|must be an existing file"),
+        ({"until": 0.0}, "until = 0.0: must be"),
+        ({"duty": [{"share": 1.0, "both_hands": True}]}, "both_hands.*allowed only with steady"),
+        ({"duty": [{"share": 0.5, "name": "a"}, {"share": 0.5, "name": "a"}]}, "name = 'a': must be that of one case"),
+        ({"duty": [{"share": 1.0, "set": {"friction": 3.0}}]}, "duty '1: run': .*friction = 3.0"),
+        ({"duty": [{"share": 1.0, "scene": str(SCENES / "wheelset.toml")}]}, 'kind = "wheelset": must be "run"'),
+        (
+            {"duty": [{"share": 0.5}, {"share": 0.5, "set": {"wheelset.radius": 0.4}}]},
+            "has another left wheel|must be 0.4 m, wheelset.radius of the scene",
+        ),
+        ({"profiles": "wheels"}, "profiles = 'wheels': must be|profiles = \"wheels\""),
+    ],
+)
+def test_bad_files(change: dict[str, Any], says: str) -> None:
+    table = {**VEHICLE, "law": {"name": "usfd"}, "until": 1e6, "duty": [{"share": 1.0, "steady": WIDE}], **change}
+    with pytest.raises(SceneError, match=says):
+        Duty(check_wear(table, "wear.toml"), Path("wear.toml"))
+
+
+def test_a_case_that_fails_is_named() -> None:
+    run = {"share": 1.0, "name": "too short", "scene": str(SCENES / "vehicle_irregular.toml"), "start": 100.0}
+    short = {"track.segments": [{"kind": "tangent", "length": 12.0}]}
+    with pytest.raises(RuntimeError, match="duty 'too short': start = 100 m: no row of the run lies beyond it"):
+        wear({**run, "set": short}, until=1e6)
+
+
+def test_python(steps: tuple[Dataset, Path]) -> None:
+    data, folder = steps
+    results = wr.open(folder / "wear.nc")
+    assert isinstance(results, wr.Wear)
+    assert "Wear of the profile 'wheel'" in repr(results)
+    assert results.status == "completed"
+    worn = results.profile(named_profile("S1002"))
+    assert worn.measures(named_profile("S1002")).removed_section == pytest.approx(
+        data["removed_section"].values[-1, 0], rel=1e-9
+    )
+    with pytest.raises(ValueError, match="is not the profile that wore"):
+        results.profile(named_profile("60E1"))
+    drawn = results.plot()
+    assert set(drawn) == {"profiles", "depth", "measures", "duty", "fatigue"}
+    (ax,) = results.plot.profiles(scale=10.0)
+    assert "magnified 10 times" in ax.get_title(loc="left") + ax.get_title()
+    assert (ax.get_xlabel(), ax.yaxis_inverted()) == ("y, positive to the field side [mm]", True)

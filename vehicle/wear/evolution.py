@@ -1,0 +1,106 @@
+"""Profiles that wear: one step of the distance removes material by the rates at its start."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from wheelrail.contact.wear.strips import Place, ProfileGrid, ProfileRates
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.meshes.profiles.worn import new_arc_length
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.wear.smoothing import Step, step
+
+LOST = 1e-6  # of the removed volume: largest part beyond the ends of a profile
+
+
+class OffTheProfile(ValueError):
+    """A contact wears beyond the ends of its profile."""
+
+
+@dataclass(frozen=True)
+class WearingProfile:
+    """A new wheel profile and the section removed from its cells.
+
+    Parameters:
+        new: profile.
+        grid: cells of its arc length.
+        removed: (n,) m2.
+    """
+
+    new: Profile
+    grid: ProfileGrid
+    removed: Array
+
+    @classmethod
+    def unworn(cls, new: Profile, radius: float) -> WearingProfile:
+        """A new wheel of a nominal radius m."""
+        grid = ProfileGrid.wheel(new, radius)
+        return cls(new, grid, np.zeros(len(grid.bounds) - 1))
+
+    @property
+    def width(self) -> float:
+        """Width m of a cell."""
+        return float(np.ptp(self.grid.bounds)) / len(self.removed)
+
+    @property
+    def depth(self) -> Array:
+        """Mean depth (n,) m of the cells."""
+        return self.removed / self.width
+
+    @property
+    def present(self) -> Profile:
+        """The worn profile. Raises ValueError where it does not fit on the new one."""
+        return self.new.worn(self.grid.bounds, self.removed)
+
+    def place(self, present: Profile) -> Place | None:
+        """Arc length on the new profile by that of the present one."""
+        return None if present is self.new else partial(new_arc_length, self.new, present)
+
+    def step(self, rates: ProfileRates, modulus: float, depth: float, distance: float) -> Step:
+        """The step whose largest smoothed depth m is given, at most over a distance m.
+
+        Parameters:
+            rates: of the profile.
+            modulus: E*, Pa.
+            depth: m.
+            distance: m; infinite: no limit.
+
+        Raises OffTheProfile, and ValueError where nothing wears over an infinite distance.
+        """
+        removed = np.maximum(rates.removed, 0.0)
+        if rates.outside > LOST * (removed.sum() + rates.outside):
+            share = rates.outside / (removed.sum() + rates.outside)
+            raise OffTheProfile(f"{100 * share:.2g} % of the wear lies beyond the ends of {self.new.name}")
+        pressure = np.divide(rates.pressed, removed, out=np.zeros(len(removed)), where=removed > 0.0)
+        rate = np.where(pressure > 0.0, removed, 0.0) / self.width
+        return step(rate, pressure, modulus=modulus, width=self.width, depth=depth, distance=distance)
+
+    def after(self, step: Step) -> WearingProfile:
+        """The profile after a step."""
+        return replace(self, removed=self.removed + step.depth * self.width)
+
+
+def wear_step(
+    profiles: Mapping[str, WearingProfile],
+    rates: Mapping[str, ProfileRates],
+    *,
+    modulus: float,
+    depth: float,
+    distance: float,
+) -> dict[str, Step]:
+    """Steps of all profiles over one distance, the longest with at most the given depth on each.
+
+    Parameters:
+        profiles, rates: by name.
+        modulus: E*, Pa.
+        depth: largest of the step after smoothing, m.
+        distance: longest, m.
+
+    Raises as `WearingProfile.step`.
+    """
+    common = min(own.step(rates[name], modulus, depth, distance).distance for name, own in profiles.items())
+    return {name: own.step(rates[name], modulus, np.inf, common) for name, own in profiles.items()}

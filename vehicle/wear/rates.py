@@ -1,0 +1,82 @@
+"""Rates of wear of wheels over the rows of a motion, each wheel on the new profile of its side."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.wear.laws import WearLaw
+from wheelrail.contact.wear.strips import Place, ProfileGrid, ProfileRates, profile_rates, total, worn_strips
+
+
+@dataclass(frozen=True)
+class WornSurface:
+    """Surface of the wheels of one side.
+
+    Parameters:
+        profile: name of the profile that they share.
+        grid: of its new profile.
+        place: arc length on the new profile by that of the present one; None: the same.
+        friction: law or coefficient of the contact.
+    """
+
+    profile: str
+    grid: ProfileGrid
+    place: Place | None
+    friction: ContactLaws | float
+
+
+@dataclass
+class MotionRates:
+    """Rates of the wheels of a motion over its rows.
+
+    Parameters:
+        surfaces: by side.
+        law: of wear.
+        failed: number of wheels without a result.
+        wheels: rates of the others with their weights, by profile.
+    """
+
+    surfaces: Mapping[Side, WornSurface]
+    law: WearLaw
+    failed: int = 0
+    wheels: dict[str, list[tuple[float, ProfileRates]]] = field(default_factory=dict)
+
+    def add(self, speed: float, contacts: Mapping[str, Mapping[Side, ContactResult]]) -> None:
+        """Add a row; rows at equal times count by their distances.
+
+        Parameters:
+            speed: of travel, m/s.
+            contacts: results by wheelset and side.
+
+        The severe branch of the law is in the rates, without a warning.
+        """
+        for side, result in (item for sides in contacts.values() for item in sides.items()):
+            if not result.ok:
+                self.failed += 1
+                continue
+            own = self.surfaces[side]
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                strips = worn_strips(result if side == "left" else result.mirrored(), self.law, own.friction, speed)
+            self.wheels.setdefault(own.profile, []).append((speed, profile_rates(strips, own.grid, own.place)))
+
+    @property
+    def failed_share(self) -> float:
+        """Share of wheels without a result."""
+        solved = sum(map(len, self.wheels.values()))
+        return self.failed / max(self.failed + solved, 1)
+
+    @property
+    def mean(self) -> dict[str, ProfileRates]:
+        """Mean rates of the wheels by profile."""
+        return {name: _mean(rates) for name, rates in self.wheels.items()}
+
+
+def _mean(rates: Sequence[tuple[float, ProfileRates]]) -> ProfileRates:
+    weights = [weight for weight, _ in rates]
+    return total([own for _, own in rates], [weight / sum(weights) for weight in weights])

@@ -1,0 +1,139 @@
+"""Wear of wheel profiles over distance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.api.stored_dataset import StoredDataset
+from wheelrail.scenes.plots.style import panels, shown, styled
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from xarray import Dataset
+
+    from wheelrail.meshes.profiles.profile import Profile
+    from wheelrail.scenes.datasets.result_table import TextTable
+
+
+@dataclass(frozen=True, repr=False)
+class Wear(StoredDataset):
+    """Results of wear.
+
+    Parameters:
+        data: Dataset in SI units over step, profile, s (arc length on the new profile) and case.
+    """
+
+    @property
+    def status(self) -> str:
+        """ "completed", or the reason for which the loop ended early."""
+        return str(self.data.attrs["status"])
+
+    def profile(self, new: Profile, step: int = -1, name: str | None = None) -> Profile:
+        """Worn profile at a step, for `wheelrail.Wheelset`.
+
+        Parameters:
+            new: profile that wore.
+            step: number; the last one by default.
+            name: of the profile in the results; the first one by default.
+
+        Raises ValueError for another new profile.
+        """
+        number = 0 if name is None else self.data["profile"].values.tolist().index(name)
+        s, removed = self.data["s"].values, self.data["removed_area"].values[step, number]
+        width = float(np.diff(s).mean())
+        bounds = np.concatenate([s - 0.5 * width, s[-1:] + 0.5 * width])
+        points = np.stack([self.data[key].values[number] for key in ("new_y", "new_z")], axis=1)
+        if bounds[-1] > new.s_range[1] + 1e-9 or np.abs(new.point(s) - points).max() > 1e-9:
+            raise ValueError(f"new: {new.name} is not the profile that wore")
+        return new.worn(np.linspace(*new.s_range, len(s) + 1), removed)
+
+    @property
+    def plot(self) -> WearPlots:
+        """Figures: `plot()` for all, `plot.profiles(scale=20)`, `plot.depth()`, `plot.measures()`, `plot.duty()`,
+        `plot.fatigue()`.
+        """
+        return WearPlots(self.data)
+
+    @property
+    def _tables(self) -> list[TextTable]:
+        from wheelrail.scenes.wear.tables import tables
+
+        return [table.as_text for table in tables(self.data)]
+
+
+@dataclass(frozen=True)
+class WearPlots:
+    """Figures of wear; each method returns its axes, in a new figure.
+
+    Parameters:
+        data: Dataset of the wear.
+    """
+
+    data: Dataset
+
+    def __call__(self) -> dict[str, tuple[Axes, ...]]:
+        """Draw all figures, by name."""
+        from wheelrail.scenes.plots.wear import PICTURES
+
+        return {name: self._drawn(name) for name in PICTURES}
+
+    def profiles(self, scale: float = 20.0) -> tuple[Axes, ...]:
+        """Profiles over the distance; scale: of the depths."""
+        return self._drawn("profiles", scale=scale)
+
+    def depth(self) -> tuple[Axes, ...]:
+        """Depth over arc length and distance."""
+        return self._drawn("depth")
+
+    def measures(self) -> tuple[Axes, ...]:
+        """Sh, Sd, qR, hollow, removed section and conicity over the distance."""
+        return self._drawn("measures")
+
+    def duty(self) -> tuple[Axes, ...]:
+        """Rates of depth by case, new and at the last step."""
+        return self._drawn("duty")
+
+    def fatigue(self) -> tuple[Axes, ...]:
+        """T-gamma damage by case, new and at the last step."""
+        return self._drawn("fatigue")
+
+    def _drawn(self, name: str, **options: Any) -> tuple[Axes, ...]:
+        from wheelrail.scenes.plots.wear import PICTURES
+
+        with styled():
+            return panels(partial(PICTURES[name], **options)(self.data, None) or shown(None))
+
+
+def wear(
+    wear: str | Path | Mapping[str, Any],
+    out: str | Path | None = None,
+    *,
+    resume: bool = False,
+    progress: bool = False,
+) -> Wear:
+    """Wear the wheel profiles of a vehicle over the distance of a duty.
+
+    Parameters:
+        wear: wear file (TOML), or its tables as a dict.
+        out: folder for every step, results and figures; nothing is written by default.
+        resume: whether to continue from the steps in the folder.
+        progress: whether to show a progress bar on standard error.
+
+    A loop that ends early sets the status and raises nothing, unless no step was completed (RunFailed). Raises
+    SceneError naming file, key, value and what is allowed, before anything is computed; OSError.
+    """
+    from rich.console import Console
+
+    from wheelrail.scenes.wear.run import run_wear
+    from wheelrail.scenes.wear.schema import check_wear, load_wear
+    from wheelrail.support.terminal import progress_console
+
+    table, path = (check_wear(wear), Path("wear")) if isinstance(wear, Mapping) else (load_wear(wear), Path(wear))
+    console = progress_console() if progress else Console(quiet=True)
+    return Wear(run_wear(table, path, None if out is None else Path(out), console, resume=resume).data)

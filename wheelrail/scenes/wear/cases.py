@@ -1,0 +1,253 @@
+"""Cases of a duty: runs and steady curves of a vehicle on wheels with the present profiles."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wheelrail.contact.kinematics.frames import SIDES, Side
+from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.wear.laws import WearLaw, law_from
+from wheelrail.meshes.profiles.profile import Profile
+from wheelrail.scenes.builders.laws import laws
+from wheelrail.scenes.builders.vehicle import applied_loads
+from wheelrail.scenes.builders.wheelset import SideProfiles, side_profiles, wheelset_contact
+from wheelrail.scenes.runs.run import simulate_on_track, vehicle_for_run
+from wheelrail.scenes.runs.steady import failures_as_run_failed
+from wheelrail.scenes.schema.edits import changed
+from wheelrail.scenes.schema.errors import RunFailed, SceneError
+from wheelrail.scenes.schema.scene import RunScene, checked
+from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.scenes.wear.schema import DutyTable, WearTable
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.track.constant_curve import ConstantCurve
+from wheelrail.vehicle.wear.evolution import WearingProfile
+from wheelrail.vehicle.wear.rates import MotionRates, WornSurface
+
+if TYPE_CHECKING:
+    from wheelrail.contact.models.wheelset import WheelsetContact
+    from wheelrail.vehicle.multibody.equations import VehicleEvaluation
+    from wheelrail.vehicle.multibody.vehicle import Vehicle
+
+FAILED = 0.02  # largest share of wheels without a result
+WITHOUT_CELLS = ("table",)
+
+Profiles = Mapping[str, WearingProfile]  # by name
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case of the duty with the scene of its run, or of the contact and track of its curve."""
+
+    name: str
+    table: DutyTable
+    scene: RunScene
+    vehicle: Vehicle
+
+    @property
+    def contact_key(self) -> str:
+        """Text that is equal for cases whose contacts are equal."""
+        keys = self.scene.model_dump(exclude={"track", "vehicle", "solver", "output", "kick", "force", "torque"})
+        track = self.scene.track.model_dump(include={"gauge", "gauge_height"})
+        return json.dumps([keys, track], default=str, sort_keys=True)
+
+
+@dataclass
+class Duty:
+    """Cases of a wear file, checked, and what is kept from step to step.
+
+    Parameters:
+        table: of the wear file.
+        path: of the wear file.
+
+    Raises SceneError that names the case.
+    """
+
+    table: WearTable
+    path: Path
+    _bodies: dict[tuple[str, Side], Any] = field(default_factory=dict)  # compliance by contact, of the renewed profiles
+
+    def __post_init__(self) -> None:
+        assert len(self.cases)
+        first = self.cases[0]
+        for case in self.cases[1:]:
+            for side in SIDES:
+                new, radius = self.new_profiles(case)[side][0], case.scene.side(side).radius
+                if (
+                    new.digest() != self.new_profiles(first)[side][0].digest()
+                    or radius != first.scene.side(side).radius
+                ):
+                    raise SceneError(f"{self.path}: duty {case.name!r}: has another {side} wheel than {first.name!r}")
+        if self.table.profiles == "one" and not first.scene.sides_alike:
+            raise SceneError(f'{self.path}: profiles = "one": must be "sides" for sides that differ')
+
+    @cached_property
+    def cases(self) -> tuple[Case, ...]:
+        vehicle = None if self.table.vehicle is None else Path(self.table.vehicle)
+        return tuple(self._case(number, table, vehicle) for number, table in enumerate(self.table.duty))
+
+    def _case(self, number: int, table: DutyTable, vehicle: Path | None) -> Case:
+        name, file = table.title(number), table.scene or self.table.scene
+        try:
+            data = changed(parse(read_text(Path(file)), file), table.set, file)
+            scene = checked(data, file)
+            if not isinstance(scene, RunScene):
+                raise SceneError(f'{file}: kind = "{scene.kind}": must be "run"')
+            if scene.model in WITHOUT_CELLS:
+                raise SceneError(f'{file}: model = "{scene.model}": has no cells to wear')
+            if scene.is_flexible:
+                raise SceneError(f"{file}: wheelset.axle, track.pads: not known to wear")
+            return Case(name, table, scene, vehicle_for_run(scene, vehicle))
+        except SceneError as error:
+            raise SceneError(f"{self.path}: duty {name!r}: {error}") from None
+
+    @staticmethod
+    def new_profiles(case: Case) -> SideProfiles:
+        """New wheel and inclined rail by side."""
+        return side_profiles(case.scene)
+
+    @cached_property
+    def law(self) -> WearLaw:
+        return law_from(self.table.law)
+
+    @property
+    def modulus(self) -> float:
+        """E*, Pa, of two bodies of the material of the scene."""
+        scene = self.cases[0].scene
+        return 0.5 * float(scene.E) / (1.0 - float(scene.nu) ** 2)
+
+    def profile_of(self, side: Side) -> str:
+        """Name of the profile of a side."""
+        return "wheel" if self.table.profiles == "one" else side
+
+    def unworn(self) -> dict[str, WearingProfile]:
+        """The new profiles by name."""
+        first = self.cases[0]
+        pairs = self.new_profiles(first)
+        found = {}
+        for side in SIDES[:1] if self.table.profiles == "one" else SIDES:
+            radius = first.scene.side(side).radius
+            assert radius is not None
+            found[self.profile_of(side)] = WearingProfile.unworn(pairs[side][0], radius)
+        return found
+
+    def contacts(self, profiles: Profiles, renewed: Profiles) -> dict[str, WheelsetContact]:
+        """Contacts of the cases on worn profiles, by `Case.contact_key`.
+
+        Parameters:
+            profiles: present ones.
+            renewed: those that the compliance of the bodies is of.
+        """
+        present = {name: own.present for name, own in profiles.items()}
+        found = {}
+        for case in self.cases:
+            if (key := case.contact_key) not in found:
+                contact = wheelset_contact(case.scene, self.pairs(case, present))
+                found[key] = replace(
+                    self._on_bodies(case, contact, "left", profiles, renewed),
+                    right=contact.right and self._on_bodies(case, contact.right, "right", profiles, renewed),
+                )
+        return found
+
+    def pairs(self, case: Case, present: Mapping[str, Profile]) -> SideProfiles:
+        """Worn wheel and inclined rail by side; present: profiles by name."""
+        new = self.new_profiles(case)
+        left, right = ((present[self.profile_of(side)], new[side][1]) for side in SIDES)
+        return {"left": left, "right": right}
+
+    def _on_bodies(
+        self, case: Case, contact: WheelsetContact, side: Side, profiles: Profiles, renewed: Profiles
+    ) -> WheelsetContact:
+        """The contact with the compliance of earlier profiles: that of a worn wheel takes seconds, and a depth of 0.3
+        mm changes places of contact by 0.1 mm and pressures by 1.5 %.
+        """
+        name, model = self.profile_of(side), contact.model
+        if not isinstance(model, LatticeContact) or profiles[name] is renewed[name]:
+            return contact
+        key = case.contact_key, side
+        earlier = renewed[name].present
+        if key not in self._bodies or self._bodies[key][0] != earlier.digest():
+            bodies = wheelset_contact(case.scene, self.pairs(case, {n: own.present for n, own in renewed.items()}))
+            operators = bodies.of(side).model.operators  # type: ignore[attr-defined]
+            self._bodies[key] = earlier.digest(), operators.upper, operators.lower
+        _, upper, lower = self._bodies[key]
+        return replace(contact, model=replace(model, operators=replace(model.operators, upper=upper, lower=lower)))
+
+    def rates(
+        self,
+        case: Case,
+        contact: WheelsetContact,
+        profiles: Profiles,
+        guesses: Mapping[str, Array],
+    ) -> tuple[MotionRates, dict[str, Array]]:
+        """Rates of a case, and states from which its next solve starts.
+
+        Parameters:
+            case: of this duty.
+            contact: on the present profiles.
+            profiles: present ones.
+            guesses: states of an earlier solve, by hand; none without.
+
+        Raises RunFailed that names the case.
+        """
+        surfaces = {}
+        for side in SIDES:
+            own = profiles[self.profile_of(side)]
+            place = own.place(own.present)
+            surfaces[side] = WornSurface(self.profile_of(side), own.grid, place, laws(case.scene, side))
+        rates, states = MotionRates(surfaces, self.law), dict[str, Array]()
+        try:
+            if case.table.steady is None:
+                self._run(case, contact, rates)
+            else:
+                for hand in (1, -1) if case.table.both_hands and self.table.profiles == "sides" else (1,):
+                    states[str(hand)] = self._curve(case, contact, hand, rates, guesses.get(str(hand)))
+        except RunFailed as error:
+            raise RunFailed(f"duty {case.name!r}: {error}") from None
+        if rates.failed_share > FAILED:
+            raise RunFailed(
+                f"duty {case.name!r}: {100 * rates.failed_share:.1f} % of the wheels have no contact result"
+            )
+        return rates, states
+
+    def _curve(self, case: Case, contact: WheelsetContact, hand: int, rates: MotionRates, guess: Array | None) -> Array:
+        """Add the wheels of a steady curve; its state."""
+        from wheelrail.vehicle.multibody.equations import VehicleDynamics
+        from wheelrail.vehicle.steady.equilibrium import equilibrium
+
+        steady = case.table.steady
+        assert steady is not None
+        curve = ConstantCurve(steady.speed, hand * steady.curvature, steady.cant, case.scene.track.track().base)
+        loads = applied_loads(case.scene, case.vehicle)
+        dynamics = VehicleDynamics(case.vehicle, curve.track, contact, steady.speed, None, loads)
+        with failures_as_run_failed():
+            found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess)
+        rates.add(steady.speed, found.contacts)
+        return found.state
+
+    def _run(self, case: Case, contact: WheelsetContact, rates: MotionRates) -> None:
+        """Add the wheels of the rows of a run."""
+        from wheelrail.vehicle.simulation.parallel_contact import in_threads
+        from wheelrail.vehicle.simulation.time_run import Recording
+        from wheelrail.vehicle.track.speed_profile import SpeedProfile
+
+        scene = case.scene
+        profile = SpeedProfile.of(scene.vehicle.speed_profile)
+        end = profile.time_at(scene.track.length)
+
+        def observe(time: float, state: Array, at: VehicleEvaluation) -> None:
+            travel = profile(time)
+            if travel.distance >= case.table.start and time > 0.0:
+                rates.add(travel.speed, at.contacts)
+
+        recording = Recording(self.table.interval / scene.vehicle.first_speed, observer=observe)
+        with in_threads(contact, scene.solver.workers) as parallel:
+            history = simulate_on_track(scene, case.vehicle, parallel, end, recording, lambda *_: None)
+        if history.status != "completed":
+            raise RunFailed(history.status)
+        if not rates.wheels:
+            raise RunFailed(f"start = {case.table.start:g} m: no row of the run lies beyond it")

@@ -1,0 +1,237 @@
+"""Loop of wear: rates of the duty on the present profiles, a step of the distance, and so on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from hashlib import sha256
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.contact.geometry.wheelset_conicity import difference_without_roll, wheelset_conicity
+from wheelrail.contact.wear.strips import ProfileRates
+from wheelrail.scenes.builders.wheelset import rigid_wheelset
+from wheelrail.scenes.datasets.netcdf import read, write
+from wheelrail.scenes.schema.errors import RunFailed, SceneError
+from wheelrail.scenes.schema.toml import read_text
+from wheelrail.scenes.wear.cases import Duty
+from wheelrail.scenes.wear.dataset import AMPLITUDE, joined, rate_values, state_values, step_dataset
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.wear.evolution import WearingProfile, wear_step
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+STEPS, RESULTS = "steps", "wear.nc"  # folder of the steps in that of the results, and the whole
+ROUNDING = 1e-9  # of the whole distance: a rest that is none
+GUESS = "guess"  # variables of the states from which equilibria of the next step start
+
+Guesses = Mapping[str, Mapping[str, Array]]  # states by case and hand
+
+
+@dataclass(frozen=True)
+class WearState:
+    """Profiles at a distance, and what the next step needs of those before.
+
+    Parameters:
+        profiles: by name.
+        renewed: those that the compliance of the bodies is of.
+        distance: m.
+        turned: number of reprofilings.
+        guesses: of equilibria.
+        before: area rates (profiles, n) m of the step before; None at the start and after a reprofiling.
+    """
+
+    profiles: dict[str, WearingProfile]
+    renewed: dict[str, WearingProfile]
+    distance: float = 0.0
+    turned: int = 0
+    guesses: Guesses = field(default_factory=dict)
+    before: Array | None = None
+
+
+class WearLoop:
+    """Wear of a duty over distance.
+
+    Parameters:
+        duty: cases.
+        folder: for each step, from which an interrupted loop resumes; None: nothing is written.
+        report: called with the part of the distance that is done and words, at each case and step.
+    """
+
+    def __init__(
+        self, duty: Duty, folder: Path | None = None, report: Callable[[float, str], None] = lambda *_: None
+    ) -> None:
+        self.duty, self.folder, self.report = duty, folder, report
+        self.steps: list[Dataset] = []
+        self.status = "running"
+
+    @property
+    def inputs(self) -> str:
+        """Text that is equal for equal wear, without the distance at which it ends."""
+        table, vehicle = self.duty.table, self.duty.table.vehicle
+        scenes = [case.scene.model_dump() for case in self.duty.cases]
+        digests = [pair[0].digest() + pair[1].digest() for pair in self.duty.new_profiles(self.duty.cases[0]).values()]
+        own = [table.model_dump(exclude={"until"}), scenes, digests, read_text(Path(vehicle)) if vehicle else ""]
+        return sha256(json.dumps(own, default=str, sort_keys=True).encode()).hexdigest()
+
+    def run(self, *, resume: bool = False) -> Dataset:
+        """Dataset over all steps; its status is "completed", or says why the loop ended before.
+
+        Parameters:
+            resume: whether to continue from the steps in the folder.
+
+        Raises SceneError for steps of another wear, and without a first step RunFailed.
+        """
+        first = self._resumed() if resume else self._begun()
+        try:
+            self._run(first)
+            self.status = "completed"
+        except KeyboardInterrupt:
+            self.status = "interrupted"
+        except (RunFailed, ValueError) as error:
+            self.status = f"failed: {error}"
+        if not self.steps:
+            raise RunFailed(f"{self.status} before the first step")
+        data = joined(self.steps).assign_attrs(status=self.status)
+        if self.folder is not None:
+            write(data, self.folder / RESULTS)
+        return data
+
+    def _begun(self) -> WearState:
+        if self.folder is not None:
+            (self.folder / STEPS).mkdir(parents=True, exist_ok=True)
+            for file in self._files():
+                file.unlink()
+        return self._unworn()
+
+    def _unworn(self) -> WearState:
+        unworn = self.duty.unworn()
+        return WearState(unworn, unworn)
+
+    def _files(self) -> list[Path]:
+        assert self.folder is not None
+        return sorted((self.folder / STEPS).glob("[0-9]*.nc"))
+
+    def _resumed(self) -> WearState:
+        """State after the last whole step in the folder."""
+        assert self.folder is not None
+        state = self._unworn()
+        for file in self._files():
+            step = read(file)
+            if step.attrs.get("inputs") != self.inputs:
+                raise SceneError(f"{file}: step of another wear; omit --resume to start anew")
+            if np.isnan(step["area_rate"].values).any():  # the end of a shorter distance
+                file.unlink()
+                break
+            self.steps.append(step)
+            state = self._after(self._stored(state, step), step)
+        return state
+
+    def _stored(self, state: WearState, step: Dataset) -> WearState:
+        """The state of a stored step, before it."""
+        guesses: dict[str, dict[str, Array]] = {}
+        for name in map(str, step.data_vars):
+            if name.startswith(GUESS):
+                _, case, hand = name.split()
+                guesses.setdefault(self.duty.cases[int(case)].name, {})[hand] = step[name].values
+        return replace(state, guesses=guesses)
+
+    def _run(self, state: WearState) -> None:
+        """Steps from a state up to the end of the distance."""
+        until = self.duty.table.until
+        shares = {case.name: case.table.share for case in self.duty.cases}
+        attributes = {"inputs": self.inputs, "status": "running", "title": "Wear of wheel profiles"}
+        while True:
+            start = perf_counter()
+            values, guesses = self._measured(state), dict[str, Any]()
+            if state.distance < until:
+                rates, guesses = self._rated(state)
+                values |= rates
+            values["seconds"] = perf_counter() - start
+            step = step_dataset(state.profiles, shares, values, attributes).assign(guesses)
+            if self.folder is not None:
+                write(step, self.folder / STEPS / f"{len(self.steps):05d}.nc")
+            self.steps.append(step)
+            if state.distance >= until:
+                return
+            state = self._after(self._stored(state, step), step)
+
+    def _measured(self, state: WearState) -> dict[str, Any]:
+        """Values of the profiles of a state."""
+        scene = self.duty.cases[0].scene
+        present = {name: own.present for name, own in state.profiles.items()}
+        measures = [
+            present[name].measures(own.new, radius=scene.wheelset.radius, flange_back=scene.wheelset.flange_back)
+            for name, own in state.profiles.items()
+        ]
+        wheelset = rigid_wheelset(scene, self.duty.pairs(self.duty.cases[0], present))
+        try:
+            conicity = float(wheelset_conicity(wheelset, np.array([AMPLITUDE]), difference_without_roll)[0])
+        except ValueError:  # no contact on both sides
+            conicity = np.nan
+        return state_values(state.profiles, measures, state.distance, conicity, state.turned)
+
+    def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Values of the rates of all cases, and variables of the states of their equilibria."""
+        from xarray import Variable
+
+        contacts = self.duty.contacts(state.profiles, state.renewed)
+        cases, guesses = [], {}
+        for number, case in enumerate(self.duty.cases):
+            self.report(state.distance / self.duty.table.until, f"step {len(self.steps)}: {case.name}")
+            before = state.guesses.get(case.name, {})
+            rates, states = self.duty.rates(case, contacts[case.contact_key], state.profiles, before)
+            cases.append(rates)
+            for hand, own in states.items():
+                guesses[f"{GUESS} {number} {hand}"] = Variable((f"unknown {number}",), own)
+        _, values = rate_values(state.profiles, cases, [case.table.share for case in self.duty.cases])
+        if state.before is not None:
+            change = 0.5 * np.linalg.norm(values["area_rate"] - state.before, axis=1)
+            size = np.linalg.norm(state.before, axis=1)
+            values["step_error"] = np.divide(change, size, out=np.zeros(len(size)), where=size > 0.0)
+        return values, guesses
+
+    def _after(self, state: WearState, step: Dataset) -> WearState:
+        """The state after a step with given rates."""
+        table = self.duty.table
+        rates = {name: _rates(step, number) for number, name in enumerate(state.profiles)}
+        steps = wear_step(
+            state.profiles,
+            rates,
+            modulus=self.duty.modulus,
+            depth=table.depth,
+            distance=min(table.step, table.until - state.distance),
+        )
+        distance = next(iter(steps.values())).distance
+        profiles = {name: own.after(steps[name]) for name, own in state.profiles.items()}
+        reached = state.distance + distance
+        if table.until - reached < ROUNDING * table.until:
+            reached = table.until
+        after = replace(state, profiles=profiles, distance=reached, before=step["area_rate"].values)
+        if table.reprofile is not None and self._worn_out(after):
+            unworn = self.duty.unworn()
+            return replace(after, profiles=unworn, renewed=unworn, turned=state.turned + 1, before=None)
+        depth = max(float(np.max(own.depth - state.renewed[name].depth)) for name, own in profiles.items())
+        return replace(after, renewed=profiles) if depth > table.renew else after
+
+    def _worn_out(self, state: WearState) -> bool:
+        """Whether a measure is beyond its limit."""
+        values, limits = self._measured(state), self.duty.table.reprofile
+        assert limits is not None
+        least = [name for name in ("Sd", "qR") if (own := getattr(limits, name)) and (values[name] < own).any()]
+        most = [name for name in ("Sh", "hollow") if (own := getattr(limits, name)) and (values[name] > own).any()]
+        return bool(least or most)
+
+
+def _rates(step: Dataset, number: int) -> ProfileRates:
+    """What the next step needs of the rates of the number-th profile; others are NaN."""
+    removed, pressed = (step[name].values[number] for name in ("area_rate", "pressed_rate"))
+    nothing = np.full(len(removed), np.nan)
+    outside = float(step["outside_rate"].values[number])
+    traction = np.full((len(removed), 2), np.nan)
+    return ProfileRates(removed, nothing, pressed, nothing, nothing, nothing, traction, outside, np.nan, np.nan)

@@ -1,0 +1,153 @@
+"""Schema of wear files: a vehicle, its duty, a law of wear, and the steps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import inf
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import AllowInfNan, Field, Strict, ValidationError, ValidationInfo, field_validator, model_validator
+
+from wheelrail.scenes.schema import quantities as q
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.messages import validation_error
+from wheelrail.scenes.schema.tables import SceneTable
+from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.support.text_file import present
+
+SHARES = 1e-6  # largest error of the sum of the shares
+
+RemovedDepth = Annotated[q.Finite, q.Range(1e-6, 2e-3, "m", "0.05 mm is 5e-5")]
+Travel = Annotated[q.Finite, q.Range(1.0, 1e10, "m", "100 000 km is 1e8")]
+LongestStep = Annotated[float, Strict(), AllowInfNan(True), q.Range(1.0, inf, "m", "1000 km is 1e6")]
+Interval = Annotated[q.Finite, q.Range(1e-2, 1e3, "m", "between rows of runs")]
+Measure = Annotated[q.Finite, q.Range(0.0, 0.1, "m", "26 mm is 26e-3")]
+Share = Annotated[q.Finite, q.Range(1e-6, 1.0, hint="of the distance")]
+
+
+class SteadyTable(SceneTable):
+    """A steady curve: curvature, 1/m, positive to the left; cant, m; speed, m/s."""
+
+    curvature: q.Curvature
+    cant: q.Cant = 0.0
+    speed: q.RunSpeed
+
+
+class DutyTable(SceneTable):
+    """A case of the duty: a run, or a steady curve, with its share of the distance.
+
+    scene: file of a run, by default that of the wear file. steady: a curve in place of the run. both_hands: curves to
+    the right count as often as those to the left. start: distance, m, from which the rows of a run count. set: values
+    of keys of the scene, by dotted names. name: for tables and pictures.
+    """
+
+    name: str | None = None
+    share: Share
+    scene: str | None = None
+    steady: SteadyTable | None = None
+    both_hands: bool = False
+    start: q.Length = 0.0
+    set: dict[str, Any] = Field(default_factory=dict)
+
+    @field_validator("scene")
+    @classmethod
+    def _existing(cls, value: str | None, info: ValidationInfo) -> str | None:
+        return None if value is None else _file(value, info)
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> DutyTable:
+        if self.both_hands and self.steady is None:
+            raise q.reject("allowed only with steady; a run has the curves of its track", "both_hands")
+        return self
+
+    def title(self, number: int) -> str:
+        """Name of the case, the number-th one from 0."""
+        if self.name is not None:
+            return self.name
+        if self.steady is None:
+            return f"{number + 1}: run"
+        radius = f"R {1.0 / abs(self.steady.curvature):.0f} m" if self.steady.curvature else "straight"
+        return f"{number + 1}: {radius}, {self.steady.speed:g} m/s"
+
+
+class ReprofileTable(SceneTable):
+    """Limits at which the wheels are turned to the new profile: least Sd and qR, largest Sh and hollow, m."""
+
+    Sd: Measure | None = None
+    qR: Measure | None = None
+    Sh: Measure | None = None
+    hollow: Measure | None = None
+
+
+class WearTable(SceneTable):
+    """Wear of the wheel profiles of a vehicle.
+
+    scene: file of a run whose contact, track and wheels all cases have that name no other. vehicle: file; by default
+    the plane wagon of the scene. law: see `wheelrail.contact.wear.laws.law_from`. until: distance, m. depth: largest of
+    a step, m. step: its longest distance, m. profiles: "one" for all wheels, or one for each of the "sides". interval:
+    between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn profile.
+    reprofile: limits of measures.
+    """
+
+    kind: Literal["wear"] = "wear"
+    scene: str
+    vehicle: str | None = None
+    law: dict[str, Any]
+    until: Travel
+    depth: RemovedDepth = 5e-5
+    step: LongestStep = inf
+    profiles: Literal["one", "sides"] = "one"
+    interval: Interval = 2.0
+    renew: RemovedDepth = 5e-4
+    reprofile: ReprofileTable | None = None
+    duty: Annotated[tuple[DutyTable, ...], Strict(False), Field(min_length=1)]
+
+    @field_validator("scene", "vehicle")
+    @classmethod
+    def _existing(cls, value: str | None, info: ValidationInfo) -> str | None:
+        return None if value is None else _file(value, info)
+
+    @field_validator("law")
+    @classmethod
+    def _known(cls, value: dict[str, Any]) -> dict[str, Any]:
+        from wheelrail.contact.wear.laws import law_from
+
+        try:
+            law_from(value)
+        except (TypeError, ValueError) as error:
+            raise q.reject(f"{error}".removeprefix("law: ")) from None
+        return value
+
+    @model_validator(mode="after")
+    def _whole(self) -> WearTable:
+        total = sum(case.share for case in self.duty)
+        if abs(total - 1.0) > SHARES:
+            raise q.reject(f"shares sum to {total:.6g}: must be 1", "duty")
+        names = [case.title(number) for number, case in enumerate(self.duty)]
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise q.reject(f"name = {twice[0]!r}: must be that of one case", "duty")
+        return self
+
+
+def _file(value: str, info: ValidationInfo) -> str:
+    """Full path of a file, relative to the folder of the wear file."""
+    file = Path((info.context or {}).get("folder", "."), value)
+    if not (present(file) and file.is_file()):
+        raise q.reject(f"{value!r}: must be an existing file, relative to the folder of the wear file")
+    return str(file.resolve())
+
+
+def load_wear(path: str | Path) -> WearTable:
+    """Validated wear file. Raises SceneError naming file, key, value and what is allowed."""
+    return check_wear(parse(read_text(Path(path)), path), path)
+
+
+def check_wear(data: Mapping[str, Any], path: str | Path = "wear") -> WearTable:
+    """Validated table; path: its file, for errors, to whose folder paths are relative."""
+    if data.get("kind", "wear") != "wear":
+        raise SceneError(f'{path}: kind = {data["kind"]!r}: must be "wear"')
+    try:
+        return WearTable.model_validate(dict(data), context={"folder": Path(path).parent})
+    except ValidationError as error:
+        raise validation_error(error, WearTable, data, path) from None

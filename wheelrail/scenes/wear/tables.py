@@ -1,0 +1,75 @@
+"""Tables of wear: profiles over the distance, and cases of the duty."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from operator import itemgetter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wheelrail.scenes.datasets.result_table import Column, ResultTable
+from wheelrail.scenes.wear.dataset import WEAR
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+MOST = 12  # rows of steps
+NAMES = ("distance", "depth", "Sh", "Sd", "qR", "hollow", "removed_section", "conicity", "step_error")
+SHOWN = ("Sh", "Sd", "qR", "hollow", "removed_section")
+
+
+def tables(data: Dataset) -> list[ResultTable]:
+    """Tables of a Dataset of `wheelrail.scenes.wear.dataset`."""
+    return [_steps(data, number) for number in range(data.sizes["profile"])] + [_cases(data)]
+
+
+def _steps(data: Dataset, number: int) -> ResultTable:
+    """Measures of one profile over the distance; of many steps some."""
+    own, count = data.isel(profile=number), data.sizes["step"]
+    steps = np.unique(np.linspace(0, count - 1, min(count, MOST)).astype(int))
+    rows = [
+        {
+            "step": int(step),
+            "depth": float(own["depth"].values[step].max()),
+            **{name: float(own[name].values[step]) for name in (*SHOWN, "step_error")},
+            **{name: float(data[name].values[step]) for name in ("distance", "conicity")},
+        }
+        for step in steps
+    ]
+    columns = [
+        Column("step", "step", itemgetter("step"), "1", 0),
+        *(Column.showing(WEAR[name], itemgetter(name), name) for name in NAMES),
+    ]
+    title = f"Wear of the profile {data['profile'].values[number]!r} over the distance"
+    return ResultTable("steps", title, columns, rows)
+
+
+def _cases(data: Dataset) -> ResultTable:
+    """Cases of the duty at the new profiles and at the last step with rates."""
+    rated = np.flatnonzero(np.isfinite(data["t_gamma"].values).all(axis=1))
+    rows: Sequence[Any] = [
+        {
+            "case": str(name),
+            "share": float(data["share"].values[k]),
+            "t_gamma": float(data["t_gamma"].values[rated[0], k]),
+            "last": float(data["t_gamma"].values[rated[-1], k]),
+            "section": float(1e13 * _section(data, rated[0], k)),
+        }
+        for k, name in enumerate(data["case"].values)
+        if len(rated)
+    ]
+    columns = [
+        Column("case", "case", itemgetter("case")),
+        Column("share", "share", itemgetter("share"), "%", 1),
+        Column("t_gamma", "T-gamma, new", itemgetter("t_gamma"), "N", 1),
+        Column("t_gamma_last", "T-gamma, last", itemgetter("last"), "N", 1),
+        Column("", "mm² in 10 000 km, new", itemgetter("section"), "", 2),
+    ]
+    return ResultTable("cases", "Cases of the duty, mean of the wheels", columns, rows)
+
+
+def _section(data: Dataset, step: int, case: int) -> float:
+    """Section removed per distance in a case, m, mean of the profiles."""
+    rate = data["depth_rate"].values[step, case]
+    return float(rate.sum(axis=-1).mean() * np.diff(data["s"].values).mean())
