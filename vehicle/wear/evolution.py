@@ -75,9 +75,8 @@ class WearingProfile:
         if rates.outside > LOST * (removed.sum() + rates.outside):
             share = rates.outside / (removed.sum() + rates.outside)
             raise OffTheProfile(f"{100 * share:.2g} % of the wear lies beyond the ends of {self.new.name}")
-        pressure = np.divide(rates.pressed, removed, out=np.zeros(len(removed)), where=removed > 0.0)
-        rate = np.where(pressure > 0.0, removed, 0.0) / self.width
-        return step(rate, pressure, modulus=modulus, width=self.width, depth=depth, distance=distance)
+        rate = np.where(rates.pressed > 0.0, removed, 0.0) / self.width
+        return step(rate, rates.pressure, modulus=modulus, width=self.width, depth=depth, distance=distance)
 
     def after(self, step: Step) -> WearingProfile:
         """The profile after a step."""

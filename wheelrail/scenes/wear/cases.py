@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.wear.laws import WearLaw, law_from
+from wheelrail.contact.wear.law_tables import law_from
+from wheelrail.contact.wear.laws import WearLaw
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.builders.vehicle import applied_loads

@@ -234,4 +234,4 @@ def _rates(step: Dataset, number: int) -> ProfileRates:
     nothing = np.full(len(removed), np.nan)
     outside = float(step["outside_rate"].values[number])
     traction = np.full((len(removed), 2), np.nan)
-    return ProfileRates(removed, nothing, pressed, nothing, nothing, nothing, traction, outside, np.nan, np.nan)
+    return ProfileRates(removed, pressed, nothing, nothing, nothing, nothing, traction, outside, np.nan, np.nan)

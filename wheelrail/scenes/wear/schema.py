@@ -84,10 +84,10 @@ class WearTable(SceneTable):
     """Wear of the wheel profiles of a vehicle.
 
     scene: file of a run whose contact, track and wheels all cases have that name no other. vehicle: file; by default
-    the plane wagon of the scene. law: see `wheelrail.contact.wear.laws.law_from`. until: distance, m. depth: largest of
-    a step, m. step: its longest distance, m. profiles: "one" for all wheels, or one for each of the "sides". interval:
-    between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn profile.
-    reprofile: limits of measures.
+    the plane wagon of the scene. law: name, coefficients, scale and zones of a law of wear. until: distance, m. depth:
+    largest of a step, m. step: its longest distance, m. profiles: "one" for all wheels, or one for each of the "sides".
+    interval: between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn
+    profile. reprofile: limits of measures.
     """
 
     kind: Literal["wear"] = "wear"
@@ -111,7 +111,7 @@ class WearTable(SceneTable):
     @field_validator("law")
     @classmethod
     def _known(cls, value: dict[str, Any]) -> dict[str, Any]:
-        from wheelrail.contact.wear.laws import law_from
+        from wheelrail.contact.wear.law_tables import law_from
 
         try:
             law_from(value)
