@@ -162,7 +162,7 @@ def rail_measures(rail: Curve, new: Curve, axis: tuple[Array, Array]) -> RailMea
         if not len(roots):
             remarks.append(f"the profile does not reach {what}")
             return np.full(2, np.nan)
-        return of.point(roots[0])
+        return of.point(min(roots, key=abs))  # of the head, not of the lip of a groove
 
     on_axis = (lambda p: (p - crown) @ across), *rail.s_range, "the rail's axis"
     W1 = float((crown - root(rail, *on_axis)) @ up)

@@ -128,7 +128,7 @@ class Profile(Curve):
             radius: of the rolling circle of the new wheel, m.
             flange_back: y of the flange's back of a wheel, m.
 
-        A profile from a file has its own rolling circle or top at z = 0: a remark says so. Raises ValueError.
+        A profile from a file has its own origin, on its own rolling circle or top: a remark says so. Raises ValueError.
         """
         if new is not None and new.kind != self.kind:
             raise ValueError(f"new must be a {self.kind}, {new.name} is a {new.kind}")
@@ -141,8 +141,8 @@ class Profile(Curve):
             crown = new.placement((0.0, 0.0))
             found = rail_measures(self, new, (crown, new.placement((0.0, 1.0)) - crown))
         if new is not None and self.measurement is not None and self.measurement is not new.measurement:
-            level = "height, W1" if self.kind == "rail" else "height"
-            remark = f"{level} and removed section are relative: z of a file counts from its own reference point"
+            names = "W1, W3" if self.kind == "rail" else "rolling radius"
+            remark = f"{names} and removed section are relative: a file has its own origin"
             found = replace(found, remarks=(*found.remarks, remark))
         return found
 

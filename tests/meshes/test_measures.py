@@ -116,6 +116,18 @@ def test_wear_of_a_rail(angle: float) -> None:
     assert values(rail_of(worn, new)) == pytest.approx((0.0, 4e-3), rel=0.02, abs=1e-12)
 
 
+def test_side_wear_of_a_grooved_rail_is_that_of_the_head(tmp_path: Path) -> None:
+    head = 1e3 * RAIL.point(RAIL.samples(2e-4, start=-0.06))
+    lip = [(-100.0, -30.0), (-99.0, -10.0), (-92.0, -9.0), (-86.0, -40.0), (-50.0, -40.0)]
+    corners = np.array([*lip, tuple(head[0])])
+    steps = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(corners, axis=0).T))])
+    at = np.arange(0.0, steps[-1], 0.2)
+    groove = np.column_stack([np.interp(at, steps, corners[:, i]) for i in (0, 1)])
+    np.savetxt(tmp_path / "groove.txt", np.concatenate([groove, head[1:]]))
+    rail = load_profile(tmp_path / "groove.txt", "rail", noise=0.0)
+    assert values(rail_of(rail, RAIL)) == pytest.approx((0.0, 0.0), abs=1e-5)
+
+
 def values(rail: RailMeasures) -> tuple[float, float]:
     return rail.W1, rail.W3
 
