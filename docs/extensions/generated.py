@@ -17,7 +17,7 @@ from extensions.commands import commands
 from extensions.element_variables import element_variables
 from extensions.public_names import TOPICS, public_names
 from extensions.run_variables import run_variables
-from extensions.scene_keys import scene_keys, study_keys
+from extensions.scene_keys import scene_keys, study_keys, wear_keys
 from extensions.wagon_values import wagon_values
 
 PARTS: dict[str, Callable[[], str]] = {
@@ -28,6 +28,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "run-variables": run_variables,
     "scene-keys": scene_keys,
     "study-keys": study_keys,
+    "wear-keys": wear_keys,
     "wagon-values": wagon_values,
 }
 LINE = re.compile(r"^(?:%|\.\.) generated: ([\w-]+)$", re.MULTILINE)

@@ -178,6 +178,18 @@ def study_keys() -> str:
     return _tables_of(*study_models())
 
 
+def wear_keys() -> str:
+    """Markdown: all tables of a wear file."""
+    return _tables_of(*wear_models())
+
+
+def wear_models() -> tuple[type[BaseModel], ...]:
+    """What checks wear files, in versions that have them."""
+    if find_spec("wheelrail.scenes.wear") is None:
+        return ()
+    return (import_module("wheelrail.scenes.wear.schema").WearTable,)
+
+
 def study_models() -> tuple[type[BaseModel], ...]:
     """What checks studies, in versions that have them."""
     if find_spec("wheelrail.scenes.studies") is None:

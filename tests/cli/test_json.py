@@ -36,6 +36,14 @@ grid = { load = [1e4, 2e4] }
 together = [{ strips = [6, 7, 8], cells = [6, 7, 8] }]
 convergence = { over = "cells", reference = "hertz" }
 """
+WEAR = f"""
+kind = "wear"
+scene = "{SCENES / "vehicle.toml"}"
+vehicle = "{MANCHESTER}"
+law = {{ name = "usfd" }}
+until = 1e5
+duty = [{{ share = 1.0, steady = {{ curvature = 1e-3, speed = 30.0 }} }}]
+"""
 # Arguments by command; DIR is a folder with inputs, to which everything is written.
 COMMANDS = {
     "contact": ("DIR/wheelset.toml",),
@@ -70,6 +78,7 @@ TABLES = {
     "evaluate": ["wheelsets"],
     "study": ["cases", "errors", "order", "orders"],
     "table": ["errors"],
+    "wear": ["steps", "cases"],
     "example": ["examples"],
 }
 
@@ -81,6 +90,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     (path / "wheelset.toml").write_text(STANDARD)
     (path / "hertz.toml").write_text((SCENES / "hertz.toml").read_text())
     (path / "study.toml").write_text(STUDY)
+    (path / "wear.toml").write_text(WEAR)
     short = {"tangent = 50.0": "tangent = 11.0", "transition_length = 100.0": "transition_length = 10.0"}
     short |= {"curve = 300.0": "curve = 1.0", "tangent = 30.0": "tangent = 11.0"}
     for name, scene in (("run", VEHICLE), ("plane", CURVE)):

@@ -183,7 +183,9 @@ STUDIES = {"StudyTable", "LatinHypercube", "Between", "Convergence"}  # tables o
 
 def test_every_key_is_described() -> None:
     known = tomllib.loads(keys.SENTENCES.read_text(encoding="utf-8"))
-    tables = {table.__name__: table for table in keys.models((*KINDS.values(), *keys.study_models()))}
+    tables = {
+        table.__name__: table for table in keys.models((*KINDS.values(), *keys.study_models(), *keys.wear_models()))
+    }
     if not keys.study_models():
         known = {name: said for name, said in known.items() if name not in STUDIES}
     for name, table in tables.items():
@@ -297,6 +299,7 @@ def test_scenes_in_the_text_are_valid_tables(tmp_path: Path) -> None:
 
     from wheelrail.contact.laws.registry import FRICTION, NORMAL
     from wheelrail.scenes.builders.vehicle_file import load_vehicle
+    from wheelrail.scenes.wear.schema import check_wear
     from wheelrail.vehicle.wagon.components import Suspension
     from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -312,6 +315,8 @@ def test_scenes_in_the_text_are_valid_tables(tmp_path: Path) -> None:
             if "bodies" in given:  # a vehicle file
                 (tmp_path / "vehicle.toml").write_text(block, encoding="utf-8")
                 assert load_vehicle(tmp_path / "vehicle.toml").bodies
+            elif given.get("kind") == "wear":
+                assert check_wear(given, ROOT / "scenes" / "wear.toml").duty
             elif given.get("kind") != "study":
                 seen |= set(_keys(given))
     assert len(seen) > 20

@@ -76,7 +76,8 @@ MAY_IMPORT |= {
     "vehicle.loads": {"support"},
     "vehicle.evaluation": {"support"},
     "vehicle.integration": {"support"},
-    "vehicle.wear": {"support"},
+    "vehicle.wear": {f"contact.{name}" for name in ("kinematics", "laws", "results", "wear")}
+    | {"meshes.profiles", "support"},
     "vehicle.track": {"bindings", "contact.kinematics", "support"},
 }
 # One call drives a contact model: no meshes, no elements.
@@ -97,7 +98,19 @@ MAY_IMPORT |= {
     "vehicle.simulation": _DRIVEN | {"vehicle.multibody", "vehicle.steady"},
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
-_SCENES = ("schema", "datasets", "builders", "contacts", "plots", "runs", "views", "studies", "tables", "html_report")
+_SCENES = (
+    "schema",
+    "datasets",
+    "builders",
+    "contacts",
+    "plots",
+    "runs",
+    "wear",
+    "views",
+    "studies",
+    "tables",
+    "html_report",
+)
 MAY_IMPORT["scenes"] = {"contact.results", "scenes.schema"}
 MAY_IMPORT["scenes.schema"] = {
     "contact.laws",

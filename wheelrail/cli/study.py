@@ -1,4 +1,4 @@
-"""Command `study`: parameter studies."""
+"""Commands `study` and `wear`: series of scenes."""
 
 from __future__ import annotations
 
@@ -41,4 +41,29 @@ def study(
     if outcome.interrupted:
         raise typer.Exit(INTERRUPTED)
     if outcome.failed:
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def wear(
+    wear: Annotated[Path, typer.Argument(metavar="WEAR", help="Wear file (TOML).", show_default=False)],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for the results; default: results/<wear>."),
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Continue from the last whole step.")] = False,
+) -> None:
+    """Wear the wheel profiles of a vehicle over a distance; after Ctrl-C, --resume continues from the last step."""
+    from wheelrail.scenes.wear.run import run_wear
+    from wheelrail.scenes.wear.schema import load_wear
+
+    folder = results_folder(out, Path("results", wear.stem))
+    with error_lines(""):
+        table = load_wear(wear)
+    with error_lines("", f"{folder}: "), stdout_for_results():
+        outcome = run_wear(table, wear, folder, progress_console(), resume=resume)
+    print_results(outcome.results)
+    if outcome.status == "interrupted":
+        raise typer.Exit(INTERRUPTED)
+    if outcome.status != "completed":
         raise typer.Exit(FAILED)

@@ -188,7 +188,7 @@ def _wheelset(
 def _timed(
     report_progress: ReportProgress, sides: tuple[str, ...], solve: Callable[[], WheelsetEquilibrium]
 ) -> TimedSolve:
-    """Sides, their equilibrium or why there is none, and the time s that it took."""
+    """Sides, their equilibrium or the error of the load search, and the time s."""
     from wheelrail.contact.loading.load_search import LoadError
 
     report_progress(f"contact of the {' and '.join(sides)} wheel")

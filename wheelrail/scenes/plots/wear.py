@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.scenes.datasets.wear import WEAR
 from wheelrail.scenes.plots.style import PRESSURE_MAP, SERIES, literal, shown
 
 if TYPE_CHECKING:
@@ -78,8 +79,6 @@ def depth(data: Dataset, figure: Figure | None = None) -> Figure:
 
 def measures(data: Dataset, figure: Figure | None = None) -> Figure:
     """Changes of Sh, Sd and qR, hollow, removed section and conicity over the distance."""
-    from wheelrail.scenes.wear.dataset import WEAR
-
     figure = shown(figure, (7.2, 5.0))
     for names, ax in zip(MEASURED, figure.subplots(2, 2).flat, strict=True):
         for k, name in enumerate(names):

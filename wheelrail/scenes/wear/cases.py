@@ -59,7 +59,7 @@ class Case:
 
 @dataclass
 class Duty:
-    """Cases of a wear file, checked, and what is kept from step to step.
+    """Cases of a wear file, checked, with bodies that are kept from step to step.
 
     Parameters:
         table: of the wear file.

@@ -16,10 +16,10 @@ from wheelrail.contact.geometry.wheelset_conicity import difference_without_roll
 from wheelrail.contact.wear.strips import ProfileRates
 from wheelrail.scenes.builders.wheelset import rigid_wheelset
 from wheelrail.scenes.datasets.netcdf import read, write
+from wheelrail.scenes.datasets.wear import AMPLITUDE, joined, rate_values, state_values, step_dataset
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.toml import read_text
 from wheelrail.scenes.wear.cases import Duty
-from wheelrail.scenes.wear.dataset import AMPLITUDE, joined, rate_values, state_values, step_dataset
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.wear.evolution import WearingProfile, wear_step
 
@@ -35,7 +35,7 @@ Guesses = Mapping[str, Mapping[str, Array]]  # states by case and hand
 
 @dataclass(frozen=True)
 class WearState:
-    """Profiles at a distance, and what the next step needs of those before.
+    """Profiles at a distance, with data of earlier steps that the next one needs.
 
     Parameters:
         profiles: by name.
@@ -72,7 +72,7 @@ class WearLoop:
 
     @property
     def inputs(self) -> str:
-        """Text that is equal for equal wear, without the distance at which it ends."""
+        """Text that is equal for equal wear, whatever its distance."""
         table, vehicle = self.duty.table, self.duty.table.vehicle
         scenes = [case.scene.model_dump() for case in self.duty.cases]
         digests = [pair[0].digest() + pair[1].digest() for pair in self.duty.new_profiles(self.duty.cases[0]).values()]
@@ -229,7 +229,7 @@ class WearLoop:
 
 
 def _rates(step: Dataset, number: int) -> ProfileRates:
-    """What the next step needs of the rates of the number-th profile; others are NaN."""
+    """Removed sections and pressures of the number-th profile, for the next step; other rates are NaN."""
     removed, pressed = (step[name].values[number] for name in ("area_rate", "pressed_rate"))
     nothing = np.full(len(removed), np.nan)
     outside = float(step["outside_rate"].values[number])

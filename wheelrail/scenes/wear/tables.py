@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.scenes.datasets.result_table import Column, ResultTable
-from wheelrail.scenes.wear.dataset import WEAR
+from wheelrail.scenes.datasets.wear import WEAR
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -20,7 +20,7 @@ SHOWN = ("Sh", "Sd", "qR", "hollow", "removed_section")
 
 
 def tables(data: Dataset) -> list[ResultTable]:
-    """Tables of a Dataset of `wheelrail.scenes.wear.dataset`."""
+    """Tables of a Dataset of `wheelrail.scenes.datasets.wear`."""
     return [_steps(data, number) for number in range(data.sizes["profile"])] + [_cases(data)]
 
 
