@@ -37,9 +37,11 @@ def broken(situation: Situation, side: Side, result: SideResult) -> list[str]:
         deepest, at = float(section.depth.max()), _where(section, section.depth)
         resolved = deepest > TOUCH + between_points(situation, section, int(np.argmax(section.depth)))
         return [f"separated with an overlap of {1e6 * deepest:.1f} um{at}"] if resolved else []
-    return [*_finite(result)] or [
+    own = situation.wheelset
+    fastsim = own.get("model") == "standard" and own.get("tangential") != "polach"
+    return [*finite(result)] or [
         *_forces(situation, side, result),
-        *_laws(situation, side, result),
+        *laws(result, situation.on(side)["friction"], fastsim),
         *_pose(situation, side, result),
         *_overlap(situation, side, section, result),
     ]
@@ -67,7 +69,7 @@ def section_of(situation: Situation, side: Side, result: SideResult) -> Section:
     return rigid.section(replace(situation.given_position(side), z=result.z, roll=result.roll))
 
 
-def _finite(result: SideResult) -> Iterator[str]:
+def finite(result: SideResult) -> Iterator[str]:
     for name, value in vars(result).items():
         if isinstance(value, np.ndarray) and value.dtype.kind == "f" and not np.isfinite(value).all():
             yield f"{name} is not finite"
@@ -76,17 +78,10 @@ def _finite(result: SideResult) -> Iterator[str]:
 def _forces(situation: Situation, side: Side, result: SideResult) -> Iterator[str]:
     """Integrals over points, patches, and the load of one wheel."""
     load = result.load
+    yield from sums(result)
     if not load > 0:
-        yield "converged without a force"
         return
-    on_wheel = np.einsum("nk,nkc->nc", np.column_stack([result.traction, -result.pressure]), result.axes)
-    on_wheel *= result.area[:, None]
-    off = float(np.linalg.norm(result.force - on_wheel.sum(axis=0))) / load
-    if off > SUMS:
-        yield f"the force differs by {off:.1e} from the integral of its tractions"
-    off = float(np.linalg.norm(result.force - result.patch_force.sum(axis=0))) / load
-    if off > SUMS:
-        yield f"the force differs by {off:.1e} from that of its patches"
+    on_wheel = forces_of_points(result)
     if not flexible(situation):
         rigid = situation.rigid[side]
         at = situation.position(side, result.z, 0.0)
@@ -100,19 +95,39 @@ def _forces(situation: Situation, side: Side, result: SideResult) -> Iterator[st
         yield f"vertical force {result.force[2]:.6g} N where {asked:g} N is asked for"
 
 
-def _laws(situation: Situation, side: Side, result: SideResult) -> Iterator[str]:
-    """Pressure, friction bound and dissipation."""
-    p, q, peak, mu = (
-        result.pressure,
-        result.traction,
-        float(result.pressure.max(initial=0.0)),
-        situation.on(side)["friction"],
-    )
+def forces_of_points(result: SideResult) -> Array:
+    """Forces (n, 3) N on the wheel."""
+    tractions = np.column_stack([result.traction, -result.pressure])
+    return np.asarray(np.einsum("nk,nkc->nc", tractions, result.axes) * result.area[:, None])
+
+
+def sums(result: SideResult) -> Iterator[str]:
+    """Integrals over points and patches against the force."""
+    if not result.load > 0:
+        yield "converged without a force"
+        return
+    for name, own in (
+        ("the integral of its tractions", forces_of_points(result)),
+        ("that of its patches", result.patch_force),
+    ):
+        off = float(np.linalg.norm(result.force - own.sum(axis=0))) / result.load
+        if off > SUMS:
+            yield f"the force differs by {off:.1e} from {name}"
+
+
+def laws(result: SideResult, mu: float, fastsim: bool, *, dissipates: bool = True) -> Iterator[str]:
+    """Pressure, friction bound and dissipation.
+
+    Parameters:
+        result: of one side.
+        mu: largest coefficient of friction.
+        fastsim: whether the bound of the tractions is parabolic.
+        dissipates: whether friction must not do work: by Polach's lateral force of spin it does, as there is no moment.
+    """
+    p, q, peak = result.pressure, result.traction, float(result.pressure.max(initial=0.0))
     if p.min(initial=0.0) < -TENSION * peak:
         yield f"tension of {-p.min() / peak:.1e} of the peak pressure"
     most = mu * peak
-    own = situation.wheelset
-    fastsim = own.get("model") == "standard" and own.get("tangential") != "polach"
     beyond = float((np.hypot(*q.T) - (PARABOLIC * most if fastsim else mu * p)).max(initial=0.0))
     if beyond > BOUND * most:
         yield f"traction beyond the bound by {beyond / most if most else np.inf:.1e} of its peak"
@@ -121,7 +136,7 @@ def _laws(situation: Situation, side: Side, result: SideResult) -> Iterator[str]
     if total > (1.0 + FRICTION) * bound + 1e-9 * result.load:
         yield f"sum of the tractions is {total / max(bound, 1e-300):.6g} of the friction bound"
     power = (q * result.slip).sum(axis=1) * result.area
-    if power.sum() > 1e-3 * np.abs(power).sum() + 1e-9 * result.load:
+    if dissipates and power.sum() > 1e-3 * np.abs(power).sum() + 1e-9 * result.load:
         yield "friction does work on the wheel and the rail"
 
 

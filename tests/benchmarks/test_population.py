@@ -15,9 +15,13 @@ import wheelrail as wr
 from benchmarks.population import judge as judge_module
 from benchmarks.population.checks import PARABOLIC, _connected, between_points, broken, lowering, within_strip
 from benchmarks.population.draw import Situation, situation
-from benchmarks.population.explanations import explanation, resting_rolls
+from benchmarks.population.explanations import _below_points, explanation, resting_rolls
 from benchmarks.population.judge import faults, judged, of_exception
 from benchmarks.population.oracle import Position, RigidSide, Section
+from benchmarks.population.pairs import Ellipse
+from benchmarks.population.pairs import drawn as drawn_pair
+from benchmarks.population.pairs import faults as pair_faults
+from benchmarks.population.pairs import judged as judged_pair
 from benchmarks.population.profiles import Shape, rail, wheel
 from benchmarks.population.report import reproduction, show
 from benchmarks.population.results import SideResult, side_result, solved
@@ -376,3 +380,36 @@ def test_a_file_does_not_say_how_a_corner_is_rounded() -> None:
     chamfered, smooth = (replace(situation(50079).rigid["left"], wheel=own) for own in (wheel("S1002"), wheel("cone")))
     assert 5e-6 < chamfered.rounding < 12e-6
     assert smooth.rounding < 1e-9
+
+
+def test_wheels_below_the_points_of_a_meshed_rail_are_explained() -> None:
+    own = situation(850018)
+    assert _below_points(own, "left", (-40.9e-3, 19.4e-3), 3.02e-3, own.solve["roll"])
+    assert not _below_points(own, "left", (-40.9e-3, 19.4e-3), 5e-4, own.solve["roll"])
+
+
+def test_ellipses_of_pairs() -> None:
+    """Spheres, in closed form: a^3 = 3 F R / 4 E*, approach a^2 / R, peak 3 F / 2 pi a^2."""
+    load, radius, modulus = 1e4, 0.3, 1.1e11
+    circle = Ellipse.of(0.5 / radius, 0.5 / radius, modulus, load, None)
+    a = (0.75 * load * radius / modulus) ** (1.0 / 3.0)
+    expected = (a, a, a * a / radius, 1.5 * load / (np.pi * a * a))
+    np.testing.assert_allclose((*circle.axes, circle.approach, circle.peak), expected, rtol=1e-9)
+    other = Ellipse.of(1.0, 0.2, modulus, None, 1e-5)
+    np.testing.assert_allclose(Ellipse.of(1.0, 0.2, modulus, other.force, None).approach, 1e-5, rtol=1e-9)
+    assert other.axes[0] < other.axes[1]
+
+
+def test_pairs_are_judged() -> None:
+    for seed in (2, 3, 32, 34):
+        verdict = judged_pair(seed)
+        assert verdict.kind == "right", verdict
+    own = next(pair for pair in map(drawn_pair, range(20)) if pair.kind == "half-space lattice")
+    result = own.solved()
+    assert not [*pair_faults(own, result)]
+    for change in (
+        {"peak": 1.02 * result.peak},
+        {"approach": 1.01 * result.approach},
+        {"traction": result.traction + result.peak.max()},
+    ):
+        assert [*pair_faults(own, replace(result, **change))], change

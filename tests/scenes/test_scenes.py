@@ -145,6 +145,8 @@ def test_a_shift_moves_the_bodies_apart_and_needs_coulomb() -> None:
     assert isinstance(scene, HertzScene)
     motion = hertz_motion(scene)
     np.testing.assert_allclose(motion.wheel.velocity - motion.rail.velocity, [1e-6, -2e-6, 0.0], rtol=1e-12)
+    law = 'friction = {law = "coulomb", mu = 0.3}'
+    parse_scene(changed(changed(SHIFTED, 'laws = "paper"', ""), "friction = 0.3", law))
     with pytest.raises(SceneError, match="condensed"):
         parse_scene(changed(changed(SHIFTED, 'laws = "paper"', ""), 'model = "condensed"', 'model = "full"'))
 

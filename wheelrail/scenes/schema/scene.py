@@ -325,7 +325,8 @@ class HertzScene(Solve):
         if self.shift is not None and self.model != "condensed":
             raise q.reject('allowed only with model = "condensed"', "shift")
         regularised = self.laws == "paper" and self.regularisation > 0.0
-        if self.shift is not None and (self.falling or isinstance(self.friction, FrictionTable) or regularised):
+        varies = isinstance(self.friction, FrictionTable) and self.friction.law != "coulomb"
+        if self.shift is not None and (self.falling or varies or regularised):
             raise q.reject(
                 'allowed only with Coulomb friction: regularisation = 0 or laws = "exact", without falling', "shift"
             )
