@@ -18,7 +18,7 @@ def test_conicity_is_computed_when_it_is_read(monkeypatch: pytest.MonkeyPatch) -
         calls.append(len(amplitude))
         return 10.0 * amplitude
 
-    monkeypatch.setattr(module, "_conicity", conicity)
+    monkeypatch.setattr(module, "wheelset_conicity", conicity)
     found = wr.contact_geometry(y=[-1e-3, 1e-3, 2e-3])
     assert found.sizes["amplitude"] == 2
     assert "equivalent_conicity" in repr(found)

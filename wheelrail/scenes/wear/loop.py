@@ -133,7 +133,7 @@ class WearLoop:
         return state
 
     def _stored(self, state: WearState, step: Dataset) -> WearState:
-        """The state of a stored step, before it."""
+        """The state before a stored step."""
         guesses: dict[str, dict[str, Array]] = {}
         for name in map(str, step.data_vars):
             if name.startswith(GUESS):
