@@ -18,6 +18,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.wear.cases import Duty
 from wheelrail.scenes.wear.loop import WearLoop
 from wheelrail.scenes.wear.schema import check_wear
+from wheelrail.scenes.wear.tables import remarks
 
 SCENES = Path(__file__).parents[2] / "scenes"
 VEHICLE = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manchester_vehicle.toml")}
@@ -152,6 +153,18 @@ def test_a_case_that_fails_is_named() -> None:
     short = {"track.segments": [{"kind": "tangent", "length": 12.0}]}
     with pytest.raises(RuntimeError, match="duty 'too short': start = 100 m: no row of the run lies beyond it"):
         wear({**run, "set": short}, until=1e6)
+
+
+def test_remarks_tell_what_limits_results(steps: tuple[Dataset, Path], tmp_path: Path) -> None:
+    data, _ = steps
+    said = "; ".join(remarks(data))
+    assert "over the last step: shorter steps" in said
+    assert "branch above 77.2 N/mm2" in said
+    narrow = data.copy(deep=True)
+    narrow["depth_rate"].values[0, 0, 0] = np.where(np.abs(data["s"].values) < 4e-3, 1e-12, 0.0)
+    assert "100 % of its wear lies in 10 mm: a groove" in "; ".join(remarks(narrow))
+    straight = {"share": 1.0, "steady": {"curvature": 0.0, "speed": 30.0}}
+    assert wear(straight, folder=tmp_path / "new", resume=True).attrs["status"] == "completed"
 
 
 def test_python(steps: tuple[Dataset, Path]) -> None:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from wheelrail.meshes.profiles.profile import Profile
     from wheelrail.scenes.datasets.result_table import TextTable
 
+SAME = 1e-9  # m, differences of places on one profile by rounding
+
 
 @dataclass(frozen=True, repr=False)
 class Wear(StoredDataset):
@@ -46,12 +48,12 @@ class Wear(StoredDataset):
         """
         number = 0 if name is None else self.data["profile"].values.tolist().index(name)
         s, removed = self.data["s"].values, self.data["removed_area"].values[step, number]
-        width = float(np.diff(s).mean())
-        bounds = np.concatenate([s - 0.5 * width, s[-1:] + 0.5 * width])
+        bounds = np.linspace(*new.s_range, len(s) + 1)
         points = np.stack([self.data[key].values[number] for key in ("new_y", "new_z")], axis=1)
-        if bounds[-1] > new.s_range[1] + 1e-9 or np.abs(new.point(s) - points).max() > 1e-9:
+        middle = 0.5 * (bounds[1:] + bounds[:-1])
+        if np.abs(middle - s).max() > SAME or np.abs(new.point(s) - points).max() > SAME:
             raise ValueError(f"new: {new.name} is not the profile that wore")
-        return new.worn(np.linspace(*new.s_range, len(s) + 1), removed)
+        return new.worn(bounds, removed)
 
     @property
     def plot(self) -> WearPlots:

@@ -73,7 +73,6 @@ class Duty:
     _bodies: dict[tuple[str, Side], Any] = field(default_factory=dict)  # compliance by contact, of the renewed profiles
 
     def __post_init__(self) -> None:
-        assert len(self.cases)
         first = self.cases[0]
         for case in self.cases[1:]:
             for side in SIDES:

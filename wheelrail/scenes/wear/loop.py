@@ -120,6 +120,7 @@ class WearLoop:
     def _resumed(self) -> WearState:
         """State after the last whole step in the folder."""
         assert self.folder is not None
+        (self.folder / STEPS).mkdir(parents=True, exist_ok=True)
         state = self._unworn()
         for file in self._files():
             step = read(file)
@@ -145,7 +146,16 @@ class WearLoop:
         """Steps from a state up to the end of the distance."""
         until = self.duty.table.until
         shares = {case.name: case.table.share for case in self.duty.cases}
-        attributes = {"inputs": self.inputs, "status": "running", "title": "Wear of wheel profiles"}
+        law = self.duty.law
+        attributes = {
+            "title": "Wear of wheel profiles",
+            "status": "running",
+            "inputs": self.inputs,
+            "law": json.dumps(self.duty.table.law),
+            "law_source": law.source,
+            "law_unsure": law.unsure,
+            "law_remark": law.remark,
+        }
         while True:
             start = perf_counter()
             values, guesses = self._measured(state), dict[str, Any]()

@@ -14,7 +14,7 @@ from wheelrail.scenes.plots.wear import PICTURES
 from wheelrail.scenes.wear.cases import Duty
 from wheelrail.scenes.wear.loop import RESULTS, WearLoop
 from wheelrail.scenes.wear.schema import WearTable
-from wheelrail.scenes.wear.tables import tables
+from wheelrail.scenes.wear.tables import remarks, tables
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,7 +38,8 @@ class WearOutcome:
     def results(self) -> Results:
         """Tables of steps and cases, status and files."""
         distance = float(self.data["distance"].values[-1])
-        lines = [f"{self.status} at {1e-3 * distance:.0f} km", *(f"  {file}" for file in self.files)]
+        lines = [*remarks(self.data), f"{self.status} at {1e-3 * distance:.0f} km"]
+        lines += [f"  {file}" for file in self.files]
         if self.status == "interrupted" and self.files:
             lines.append("  --resume continues from the last step")
         facts = {"status": self.status, "distance": distance, "files": self.files}
@@ -60,6 +61,8 @@ def run_wear(
     Raises SceneError before anything is computed, RunFailed without a first step, OSError.
     """
     duty = Duty(table, path)
+    if folder is not None and not resume and (folder / RESULTS).exists():
+        console.print(f"{folder} contains the results of earlier wear, which this one overwrites", highlight=False)
     with progress(console, table.until) as report:
         data = WearLoop(duty, folder, report).run(resume=resume)
     return WearOutcome(data, tuple(_written(data, folder)) if folder else ())

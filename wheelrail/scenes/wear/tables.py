@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 MOST = 12  # rows of steps
+SEVERE, CHANGING = 0.01, 0.1  # shares of the severe branch and of the error of a step that are told
+GROOVE, NARROW = 10e-3, 0.8  # m, width of a groove, and share of a case's wear in a groove
 NAMES = ("distance", "depth", "Sh", "Sd", "qR", "hollow", "removed_section", "conicity", "step_error")
 SHOWN = ("Sh", "Sd", "qR", "hollow", "removed_section")
 
@@ -22,6 +24,31 @@ SHOWN = ("Sh", "Sd", "qR", "hollow", "removed_section")
 def tables(data: Dataset) -> list[ResultTable]:
     """Tables of a Dataset of `wheelrail.scenes.datasets.wear`."""
     return [_steps(data, number) for number in range(data.sizes["profile"])] + [_cases(data)]
+
+
+def remarks(data: Dataset) -> list[str]:
+    """Words on what limits the results."""
+    found = []
+    severe = np.nanmax(data["severe_share"].values, initial=0.0)
+    if severe > SEVERE:
+        found.append(f"up to {100 * severe:.0f} % of the wear by {data.attrs['law_remark']}")
+    error = data["step_error"].values
+    if (latest := error[np.isfinite(error).all(axis=1)]).size and latest[-1].max() > CHANGING:
+        found.append(
+            f"rates change by {200 * latest[-1].max():.0f} % over the last step: shorter steps (depth) may differ"
+        )
+    width = np.diff(data["s"].values).mean()
+    for k, name in enumerate(data["case"].values):
+        rate = data["depth_rate"].values[0, k].sum(axis=0)
+        window = np.convolve(rate, np.ones(max(round(GROOVE / width), 1)), mode="same").max()
+        if rate.sum() > 0.0 and window > NARROW * rate.sum():
+            found.append(
+                f"{name}: {100 * window / rate.sum():.0f} % of its wear lies in {1e3 * GROOVE:.0f} mm: a groove, which "
+                "other rails, gauges or irregularities in the duty would widen"
+            )
+    if data.attrs["law_unsure"]:
+        found.append(f"not compared with the source of the law: {data.attrs['law_unsure']}")
+    return found
 
 
 def _steps(data: Dataset, number: int) -> ResultTable:
