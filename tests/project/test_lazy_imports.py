@@ -98,7 +98,8 @@ solid_compliance(solid, key, Material(), 1).block(np.arange(3))
 
 
 def test_the_vehicle_imports_neither_meshes_nor_finite_elements() -> None:
-    files = [path for path in (ROOT / "vehicle").rglob("*.py") if path.stem != "__init__"]
+    """But its wear, which changes profiles and which no run imports."""
+    files = [path for path in (ROOT / "vehicle").rglob("*.py") if path.stem != "__init__" and "wear" not in path.parts]
     assert len(files) > 20
     script = "\n".join(f"import wheelrail.{'.'.join(path.relative_to(ROOT).with_suffix('').parts)}" for path in files)
     script += "\nimport sys\nassert not {'wheelrail.meshes', 'wheelrail.forms'} & set(sys.modules)"
