@@ -27,7 +27,7 @@ def tables(data: Dataset) -> list[ResultTable]:
 
 
 def remarks(data: Dataset) -> list[str]:
-    """Words on what limits the results."""
+    """Words on limits of the results: severe branches, long steps, narrow grooves, coefficients."""
     found = []
     severe = np.nanmax(data["severe_share"].values, initial=0.0)
     if severe > SEVERE:
