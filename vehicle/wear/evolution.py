@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -51,14 +51,15 @@ class WearingProfile:
         """Mean depth (n,) m of the cells."""
         return self.removed / self.width
 
-    @property
+    @cached_property
     def present(self) -> Profile:
         """The worn profile. Raises ValueError where it does not fit on the new one."""
         return self.new.worn(self.grid.bounds, self.removed)
 
-    def place(self, present: Profile) -> Place | None:
-        """Arc length on the new profile by that of the present one."""
-        return None if present is self.new else partial(new_arc_length, self.new, present)
+    @property
+    def place(self) -> Place | None:
+        """Arc length on the new profile by that of the present one; None where they are the same."""
+        return None if self.present is self.new else partial(new_arc_length, self.new, self.present)
 
     def step(self, rates: ProfileRates, modulus: float, depth: float, distance: float) -> Step:
         """The step whose largest smoothed depth m is given, at most over a distance m.

@@ -49,7 +49,12 @@ class Case:
     scene: RunScene
     vehicle: Vehicle
 
-    @property
+    @cached_property
+    def new_profiles(self) -> SideProfiles:
+        """New wheel and inclined rail by side."""
+        return side_profiles(self.scene)
+
+    @cached_property
     def contact_key(self) -> str:
         """Text that is equal for cases whose contacts are equal."""
         keys = self.scene.model_dump(exclude={"track", "vehicle", "solver", "output", "kick", "force", "torque"})
@@ -76,11 +81,8 @@ class Duty:
         first = self.cases[0]
         for case in self.cases[1:]:
             for side in SIDES:
-                new, radius = self.new_profiles(case)[side][0], case.scene.side(side).radius
-                if (
-                    new.digest() != self.new_profiles(first)[side][0].digest()
-                    or radius != first.scene.side(side).radius
-                ):
+                new, radius = case.new_profiles[side][0], case.scene.side(side).radius
+                if new.digest() != first.new_profiles[side][0].digest() or radius != first.scene.side(side).radius:
                     raise SceneError(f"{self.path}: duty {case.name!r}: has another {side} wheel than {first.name!r}")
         if self.table.profiles == "one" and not first.scene.sides_alike:
             raise SceneError(f'{self.path}: profiles = "one": must be "sides" for sides that differ')
@@ -105,11 +107,6 @@ class Duty:
         except SceneError as error:
             raise SceneError(f"{self.path}: duty {name!r}: {error}") from None
 
-    @staticmethod
-    def new_profiles(case: Case) -> SideProfiles:
-        """New wheel and inclined rail by side."""
-        return side_profiles(case.scene)
-
     @cached_property
     def law(self) -> WearLaw:
         return law_from(self.table.law)
@@ -127,7 +124,7 @@ class Duty:
     def unworn(self) -> dict[str, WearingProfile]:
         """The new profiles by name."""
         first = self.cases[0]
-        pairs = self.new_profiles(first)
+        pairs = first.new_profiles
         found = {}
         for side in SIDES[:1] if self.table.profiles == "one" else SIDES:
             radius = first.scene.side(side).radius
@@ -155,7 +152,7 @@ class Duty:
 
     def pairs(self, case: Case, present: Mapping[str, Profile]) -> SideProfiles:
         """Worn wheel and inclined rail by side; present: profiles by name."""
-        new = self.new_profiles(case)
+        new = case.new_profiles
         left, right = ((present[self.profile_of(side)], new[side][1]) for side in SIDES)
         return {"left": left, "right": right}
 
@@ -197,8 +194,7 @@ class Duty:
         surfaces = {}
         for side in SIDES:
             own = profiles[self.profile_of(side)]
-            place = own.place(own.present)
-            surfaces[side] = WornSurface(self.profile_of(side), own.grid, place, laws(case.scene, side))
+            surfaces[side] = WornSurface(self.profile_of(side), own.grid, own.place, laws(case.scene, side))
         rates, states = MotionRates(surfaces, self.law), dict[str, Array]()
         try:
             if case.table.steady is None:

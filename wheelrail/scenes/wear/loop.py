@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
@@ -70,12 +71,12 @@ class WearLoop:
         self.steps: list[Dataset] = []
         self.status = "running"
 
-    @property
+    @cached_property
     def inputs(self) -> str:
         """Text that is equal for equal wear, whatever its distance."""
         table, vehicle = self.duty.table, self.duty.table.vehicle
         scenes = [case.scene.model_dump() for case in self.duty.cases]
-        digests = [pair[0].digest() + pair[1].digest() for pair in self.duty.new_profiles(self.duty.cases[0]).values()]
+        digests = [pair[0].digest() + pair[1].digest() for pair in self.duty.cases[0].new_profiles.values()]
         own = [table.model_dump(exclude={"until"}), scenes, digests, read_text(Path(vehicle)) if vehicle else ""]
         return sha256(json.dumps(own, default=str, sort_keys=True).encode()).hexdigest()
 
@@ -175,16 +176,20 @@ class WearLoop:
         """Values of the profiles of a state."""
         scene = self.duty.cases[0].scene
         present = {name: own.present for name, own in state.profiles.items()}
-        measures = [
-            present[name].measures(own.new, radius=scene.wheelset.radius, flange_back=scene.wheelset.flange_back)
-            for name, own in state.profiles.items()
-        ]
         wheelset = rigid_wheelset(scene, self.duty.pairs(self.duty.cases[0], present))
         try:
             conicity = float(wheelset_conicity(wheelset, np.array([AMPLITUDE]), difference_without_roll)[0])
         except ValueError:  # no contact on both sides
             conicity = np.nan
-        return state_values(state.profiles, measures, state.distance, conicity, state.turned)
+        return state_values(state.profiles, self._measures(state), state.distance, conicity, state.turned)
+
+    def _measures(self, state: WearState) -> list[Any]:
+        """Measures of each profile of a state."""
+        axle = self.duty.cases[0].scene.wheelset
+        return [
+            own.present.measures(own.new, radius=axle.radius, flange_back=axle.flange_back)
+            for own in state.profiles.values()
+        ]
 
     def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, Any]]:
         """Values of the rates of all cases, and variables of the states of their equilibria."""
@@ -231,11 +236,15 @@ class WearLoop:
 
     def _worn_out(self, state: WearState) -> bool:
         """Whether a measure is beyond its limit."""
-        values, limits = self._measured(state), self.duty.table.reprofile
+        limits = self.duty.table.reprofile
         assert limits is not None
-        least = [name for name in ("Sd", "qR") if (own := getattr(limits, name)) and (values[name] < own).any()]
-        most = [name for name in ("Sh", "hollow") if (own := getattr(limits, name)) and (values[name] > own).any()]
-        return bool(least or most)
+        beyond = [
+            sign * (getattr(own, name) - limit) > 0.0
+            for name, sign in (("Sd", -1.0), ("qR", -1.0), ("Sh", 1.0), ("hollow", 1.0))
+            if (limit := getattr(limits, name)) is not None
+            for own in self._measures(state)
+        ]
+        return any(beyond)
 
 
 def _rates(step: Dataset, number: int) -> ProfileRates:
