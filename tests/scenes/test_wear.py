@@ -24,6 +24,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 VEHICLE = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manchester_vehicle.toml")}
 SHARP = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
 WIDE = {"curvature": 1.0 / 1200.0, "cant": 0.06, "speed": 35.0}
+VARIED = {"share": 1.0, "steady": WIDE, "vary": {"friction": [0.2, 0.4]}}
 SECONDS = "seconds"
 
 
@@ -102,6 +103,31 @@ def test_hands_are_mirror_images_and_shares_linear() -> None:
     np.testing.assert_allclose(mixed["area_rate"].values[0], width * expected, rtol=1e-12, atol=1e-30)
 
 
+def test_varied_values_are_cases_with_their_weights() -> None:
+    """A list is the same as its cases written out; dotted names need no quotes."""
+    friction = [0.2, 0.4], [0.25, 0.75]
+    listed = wear(
+        {"share": 1.0, "steady": SHARP, "vary": {"friction": friction[0]}, "weights": {"friction": friction[1]}}
+    )
+    apart = wear(
+        *(
+            {"share": w, "steady": SHARP, "name": f"{mu}", "set": {"friction": mu}}
+            for mu, w in zip(*friction, strict=True)
+        )
+    )
+    assert listed["case"].values.tolist() == [f"1: R 600 m, 25 m/s, friction = {mu}" for mu in friction[0]]
+    np.testing.assert_array_equal(listed["share"].values, friction[1])
+    np.testing.assert_array_equal(listed["area_rate"].values, apart["area_rate"].values)
+    vary = {"profiles": {"rail": ["60E1", "UIC60-benchmark"]}, "steady": {"speed": [20.0, 30.0]}}
+    table = check_wear(
+        {**VEHICLE, "law": {"name": "usfd"}, "until": 1.0, "duty": [{"share": 1.0, "steady": WIDE, "vary": vary}]}
+    )
+    cases = Duty(table, Path("wear.toml")).cases
+    assert [(case.scene.profiles.rail, case.table.steady.speed, case.table.share) for case in cases] == [  # type: ignore[union-attr]
+        (rail, speed, 0.25) for rail in ("60E1", "UIC60-benchmark") for speed in (20.0, 30.0)
+    ]
+
+
 def test_rows_of_a_run_wear_and_limits_turn_the_wheels() -> None:
     """A vehicle that runs straight wears its tread alike on both sides; it is turned as soon as it is hollow."""
     tangent = {"track.segments": [{"kind": "tangent", "length": 12.0}]}
@@ -139,6 +165,17 @@ def test_bodies_are_renewed_with_the_depth() -> None:
             {"duty": [{"share": 0.5}, {"share": 0.5, "set": {"wheelset.radius": 0.4}}]},
             "has another left wheel|must be 0.4 m, wheelset.radius of the scene",
         ),
+        (
+            {"duty": [{**VARIED, "weights": {"friction": [0.5, 0.6]}}]},
+            "weights: friction: weights sum to 1.1: must be 1",
+        ),
+        (
+            {"duty": [{**VARIED, "weights": {"mu": [0.5, 0.5]}}]},
+            "weights: mu: must have a weight for each of its values",
+        ),
+        ({"duty": [{**VARIED, "vary": {"steady.speed": [-3.0]}}]}, r"vary: steady: speed = -3.0: must be a number"),
+        ({"duty": [{**VARIED, "vary": {"friction": [0.3, 0.3]}}]}, "vary: friction: 0.3 must be listed once"),
+        ({"duty": [{**VARIED, "set": {"friction": 0.3}}]}, "friction: must be in set or in vary"),
         ({"profiles": "wheels"}, "profiles = 'wheels': must be|profiles = \"wheels\""),
     ],
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from copy import copy
 from pathlib import Path
 from typing import Any
@@ -56,6 +56,17 @@ def without(base: Mapping[str, Any], names: Iterable[str], place: str | Path) ->
             raise SceneError(f"{place}: {name}: must be a key of the scene")
         del at[last]
     return data
+
+
+def flat(table: Mapping[str, Any], whole: Collection[str] = ()) -> dict[str, Any]:
+    """Values by dotted name of nested tables; whole: keys of inner tables that are values themselves."""
+    values: dict[str, Any] = {}
+    for name, value in table.items():
+        if isinstance(value, Mapping) and value and not set(whole) & value.keys():
+            values |= {f"{name}.{inner}": below for inner, below in flat(value, whole).items()}
+        else:
+            values[name] = value
+    return values
 
 
 def keys_of(name: str) -> tuple[str | int, ...]:

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, Strict, ValidationError, ValidationInfo, field_validator, model_validator
 
 from wheelrail.scenes.schema import quantities as q
+from wheelrail.scenes.schema.edits import flat
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.tables import SceneTable
@@ -36,6 +37,9 @@ class Between(SceneTable):
         if self.scale == "log" and self.low <= 0.0:
             raise q.reject('must be greater than 0 with scale = "log"', "low")
         return self
+
+
+RANGE = frozenset(Between.model_fields)
 
 
 class LatinHypercube(SceneTable):
@@ -214,22 +218,12 @@ def _dotted(data: Mapping[str, Any]) -> dict[str, Any]:
     study = dict(data)
     for key in ("set", "grid"):
         if isinstance(data.get(key), Mapping):
-            study[key] = _flat(data[key])
+            study[key] = flat(data[key], RANGE)
     for key in ("together", "skip"):
         if isinstance(data.get(key), list | tuple):
-            study[key] = [_flat(table) if isinstance(table, Mapping) else table for table in data[key]]
+            study[key] = [flat(table, RANGE) if isinstance(table, Mapping) else table for table in data[key]]
     for key, inner in (("latin_hypercube", "ranges"), ("convergence", "reference")):
         table = data.get(key)
         if isinstance(table, Mapping) and isinstance(table.get(inner), Mapping):
-            study[key] = {**table, inner: _flat(table[inner])}
+            study[key] = {**table, inner: flat(table[inner], RANGE)}
     return study
-
-
-def _flat(table: Mapping[str, Any]) -> dict[str, Any]:
-    values: dict[str, Any] = {}
-    for name, value in table.items():
-        if isinstance(value, Mapping) and value and not value.keys() & Between.model_fields.keys():
-            values |= {f"{name}.{inner}": below for inner, below in _flat(value).items()}
-        else:
-            values[name] = value
-    return values

@@ -90,10 +90,10 @@ class Duty:
     @cached_property
     def cases(self) -> tuple[Case, ...]:
         vehicle = None if self.table.vehicle is None else Path(self.table.vehicle)
-        return tuple(self._case(number, table, vehicle) for number, table in enumerate(self.table.duty))
+        return tuple(self._case(table, vehicle) for table in self.table.cases)
 
-    def _case(self, number: int, table: DutyTable, vehicle: Path | None) -> Case:
-        name, file = table.title(number), table.scene or self.table.scene
+    def _case(self, table: DutyTable, vehicle: Path | None) -> Case:
+        name, file = table.title(0), table.scene or self.table.scene
         try:
             data = changed(parse(read_text(Path(file)), file), table.set, file)
             scene = checked(data, file)

@@ -76,7 +76,8 @@ class WearLoop:
         """Text that is equal for equal wear, whatever its distance."""
         table, vehicle = self.duty.table, self.duty.table.vehicle
         scenes = [case.scene.model_dump() for case in self.duty.cases]
-        digests = [pair[0].digest() + pair[1].digest() for pair in self.duty.cases[0].new_profiles.values()]
+        pairs = [pair for case in self.duty.cases for pair in case.new_profiles.values()]
+        digests = [wheel.digest() + rail.digest() for wheel, rail in pairs]
         own = [table.model_dump(exclude={"until"}), scenes, digests, read_text(Path(vehicle)) if vehicle else ""]
         return sha256(json.dumps(own, default=str, sort_keys=True).encode()).hexdigest()
 

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import inf
+from collections.abc import Iterator, Mapping
+from itertools import product
+from math import inf, prod
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import AllowInfNan, Field, Strict, ValidationError, ValidationInfo, field_validator, model_validator
 
 from wheelrail.scenes.schema import quantities as q
+from wheelrail.scenes.schema.edits import flat
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.messages import validation_error
 from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.support.text_file import present
 
-SHARES = 1e-6  # largest error of the sum of the shares
+SHARES = 1e-6  # largest error of the sum of shares or weights
+MOST_CASES = 1000  # to detect typing errors
+STEADY = "steady."  # begin of the varied keys of a curve
+TITLED = "steady.curvature", "steady.speed"  # told by the title of a case without a name
 
 RemovedDepth = Annotated[q.Finite, q.Range(1e-6, 2e-3, "m", "0.05 mm is 5e-5")]
 Travel = Annotated[q.Finite, q.Range(1.0, 1e10, "m", "100 000 km is 1e8")]
@@ -24,6 +29,8 @@ LongestStep = Annotated[float, Strict(), AllowInfNan(True), q.Range(1.0, inf, "m
 Interval = Annotated[q.Finite, q.Range(1e-2, 1e3, "m", "between rows of runs")]
 Measure = Annotated[q.Finite, q.Range(0.0, 0.1, "m", "26 mm is 26e-3")]
 Share = Annotated[q.Finite, q.Range(1e-6, 1.0, hint="of the distance")]
+Weights = Annotated[tuple[Annotated[q.Finite, q.Range(1e-6, 1.0)], ...], Strict(False)]
+Values = Annotated[tuple[Any, ...], Strict(False), Field(min_length=1)]
 
 
 class SteadyTable(SceneTable):
@@ -39,7 +46,9 @@ class DutyTable(SceneTable):
 
     scene: file of a run, by default that of the wear file. steady: a curve in place of the run. both_hands: curves to
     the right count as often as those to the left. start: distance, m, from which the rows of a run count. set: values
-    of keys of the scene, by dotted names. name: for tables and pictures.
+    of keys of the scene, by dotted names. vary: lists of such values, or of those of the curve (steady.speed); their
+    combinations are cases. weights: of these values, parts of the share; equal by default. name: for tables and
+    pictures.
     """
 
     name: str | None = None
@@ -49,6 +58,8 @@ class DutyTable(SceneTable):
     both_hands: bool = False
     start: q.Length = 0.0
     set: dict[str, Any] = Field(default_factory=dict)
+    vary: dict[str, Values] = Field(default_factory=dict)
+    weights: dict[str, Weights] = Field(default_factory=dict)
 
     @field_validator("scene")
     @classmethod
@@ -59,7 +70,55 @@ class DutyTable(SceneTable):
     def _one_kind(self) -> DutyTable:
         if self.both_hands and self.steady is None:
             raise q.reject("allowed only with steady; a run has the curves of its track", "both_hands")
+        for name, values in self.vary.items():
+            if twice := [value for value in values if values.count(value) > 1]:
+                raise q.reject(f"{name}: {twice[0]!r} must be listed once", "vary")
+            if name in self.set:
+                raise q.reject(f"{name}: must be in set or in vary", "vary")
+            if name.startswith(STEADY) and self.steady is None:
+                raise q.reject(f"{name}: allowed only with steady", "vary")
+        for name, weights in self.weights.items():
+            if len(weights) != len(self.vary.get(name, ())):
+                raise q.reject(f"{name}: must have a weight for each of its values in vary", "weights")
+            if abs(sum(weights) - 1.0) > SHARES:
+                raise q.reject(f"{name}: weights sum to {sum(weights):.6g}: must be 1", "weights")
+        if prod(map(len, self.vary.values())) > MOST_CASES:
+            raise q.reject(f"must have at most {MOST_CASES} combinations", "vary")
+        tuple(self.cases(0))  # raises for curves that are not allowed
         return self
+
+    def cases(self, number: int) -> Iterator[DutyTable]:
+        """One case for each combination of varied values, with its part of the share; of the number-th case from 0."""
+        lists = [
+            [(name, value, weight) for value, weight in zip(values, self._weights(name), strict=True)]
+            for name, values in self.vary.items()
+        ]
+        for chosen in product(*lists):
+            values = {name: value for name, value, _ in chosen}
+            own = self.model_copy(update={"steady": self._steady(values)})
+            told = TITLED if self.name is None else ()
+            words = [f"{name} = {value}" for name, value in values.items() if name not in told]
+            yield own.model_copy(
+                update={
+                    "name": ", ".join([own.title(number), *words]),
+                    "share": self.share * prod(weight for *_, weight in chosen),
+                    "set": self.set | {name: value for name, value in values.items() if not name.startswith(STEADY)},
+                }
+            )
+
+    def _weights(self, name: str) -> tuple[float, ...]:
+        count = len(self.vary[name])
+        return self.weights.get(name, (1.0 / count,) * count)
+
+    def _steady(self, values: Mapping[str, Any]) -> SteadyTable | None:
+        """The curve with varied values."""
+        if self.steady is None:
+            return None
+        own = {name.removeprefix(STEADY): value for name, value in values.items() if name.startswith(STEADY)}
+        try:
+            return SteadyTable.model_validate(self.steady.model_dump() | own)
+        except ValidationError as error:
+            raise q.reject(f"{validation_error(error, SteadyTable, own, 'steady')}", "vary") from None
 
     def title(self, number: int) -> str:
         """Name of the case, the number-th one from 0."""
@@ -124,10 +183,17 @@ class WearTable(SceneTable):
         total = sum(case.share for case in self.duty)
         if abs(total - 1.0) > SHARES:
             raise q.reject(f"shares sum to {total:.6g}: must be 1", "duty")
-        names = [case.title(number) for number, case in enumerate(self.duty)]
+        names = [case.name for case in self.cases]
         if twice := [name for name in names if names.count(name) > 1]:
             raise q.reject(f"name = {twice[0]!r}: must be that of one case", "duty")
+        if len(names) > MOST_CASES:
+            raise q.reject(f"has {len(names)} cases: must be at most {MOST_CASES}", "duty")
         return self
+
+    @property
+    def cases(self) -> tuple[DutyTable, ...]:
+        """Cases of the duty, named, with one value of each varied key."""
+        return tuple(case for number, own in enumerate(self.duty) for case in own.cases(number))
 
 
 def _file(value: str, info: ValidationInfo) -> str:
@@ -147,7 +213,16 @@ def check_wear(data: Mapping[str, Any], path: str | Path = "wear") -> WearTable:
     """Validated table; path: its file, for errors, to whose folder paths are relative."""
     if data.get("kind", "wear") != "wear":
         raise SceneError(f'{path}: kind = {data["kind"]!r}: must be "wear"')
+    data = dict(data)
+    if isinstance(data.get("duty"), list | tuple):
+        data["duty"] = [_dotted(case) if isinstance(case, Mapping) else case for case in data["duty"]]
     try:
-        return WearTable.model_validate(dict(data), context={"folder": Path(path).parent})
+        return WearTable.model_validate(data, context={"folder": Path(path).parent})
     except ValidationError as error:
         raise validation_error(error, WearTable, data, path) from None
+
+
+def _dotted(case: Mapping[str, Any]) -> dict[str, Any]:
+    """A case with dotted names that are written without quotes, which TOML reads as nested tables."""
+    named = {key: case[key] for key in ("set", "vary", "weights") if isinstance(case.get(key), Mapping)}
+    return {**case, **{key: flat(table) for key, table in named.items()}}
