@@ -128,6 +128,19 @@ def test_varied_values_are_cases_with_their_weights() -> None:
     ]
 
 
+def test_a_turned_vehicle_wears_both_sides_alike() -> None:
+    """Half with the vehicle as it stands, half with its left wheels on the right, as in two curves of both hands."""
+    left, both, turned = (
+        wear({"share": 1.0, "steady": SHARP, "both_hands": hands}, profiles="sides", turned=turned, until=1e5)
+        for hands, turned in ((False, False), (True, False), (False, True))
+    )
+    assert turned["case"].values.tolist() == ["1: R 600 m, 25 m/s", "1: R 600 m, 25 m/s, turned"]
+    largest = both["area_rate"].values[0].max()
+    np.testing.assert_allclose(turned["area_rate"].values[0], both["area_rate"].values[0], atol=1e-6 * largest)
+    assert abs(left["area_rate"].values[0] - both["area_rate"].values[0]).max() > 0.3 * largest
+    np.testing.assert_allclose(turned["depth"].values[-1, 0], turned["depth"].values[-1, 1], atol=1e-11)
+
+
 def test_rows_of_a_run_wear_and_limits_turn_the_wheels() -> None:
     """A vehicle that runs straight wears its tread alike on both sides; it is turned as soon as it is hollow."""
     tangent = {"track.segments": [{"kind": "tangent", "length": 12.0}]}

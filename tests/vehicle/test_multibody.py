@@ -20,9 +20,10 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
-from wheelrail.vehicle.multibody.coordinates import PITCH
+from wheelrail.vehicle.multibody.coordinates import PITCH, Coordinates
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
+from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SpeedHold, SuspensionElement, Vehicle, VehicleBody
 from wheelrail.vehicle.simulation.limit_cycle import (
     CycleSearch,
@@ -76,6 +77,19 @@ def test_static_loads_of_the_benchmark_vehicle() -> None:
     wrenches = np.zeros((4, 6))
     wrenches[:, 2] = 2 * 54546.0525
     assert np.abs(dynamics.accelerations(0.0, np.zeros(dynamics.size), wrenches).rates).max() < 1e-9
+
+
+def test_a_turned_vehicle_bears_its_loads_at_the_other_end() -> None:
+    """Lateral and longitudinal laws are mirrored, and places in x and y."""
+    vehicle = manchester()
+    bodies = vehicle.bodies | {"car_body": replace(vehicle.bodies["car_body"], x=0.5)}
+    vehicle = replace(vehicle, bodies=bodies)
+    assert vehicle.turned.turned == vehicle
+    loads, turned = (SuspensionArrays(Coordinates(own)).static_loads for own in (vehicle, vehicle.turned))
+    points = [[own.point for own in v.elements.values()] for v in (vehicle, vehicle.turned)]
+    np.testing.assert_allclose(turned, loads, rtol=1e-9)
+    np.testing.assert_array_equal(points[1], np.multiply(points[0], [-1.0, -1.0, 1.0]))
+    assert vehicle.turned != vehicle
 
 
 def test_held_wheelsets_have_the_modes_of_the_plane_wagon() -> None:

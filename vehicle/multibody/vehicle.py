@@ -179,6 +179,18 @@ class Vehicle:
             pairs.append((e, images[0] if images else -1))
         return tuple(pairs)
 
+    @property
+    def turned(self) -> Vehicle:
+        """The vehicle turned end for end, with the names of its bodies."""
+        elements = {}
+        for name, own in self.elements.items():
+            x, y, z = own.point
+            laws = own.stiffness, own.damping
+            stiffness, damping = ((_mirrored(along), _mirrored(across), up) for along, across, up in laws)
+            elements[name] = replace(own, point=(-x, -y, z), stiffness=stiffness, damping=damping)
+        bodies = {name: replace(body, x=-body.x) for name, body in self.bodies.items()}
+        return replace(self, bodies=bodies, elements=elements)
+
     def _check_element(self, key: str, element: SuspensionElement) -> None:
         self._check_pair(key, element.upper, element.lower)
         if not all(isfinite(value) for value in element.point):
@@ -241,7 +253,7 @@ def _check_body(key: str, body: VehicleBody) -> None:
 
 
 def _mirrored(law: Law) -> Law:
-    """Lateral law of the mirror image of an element."""
+    """Law of an element along an axis that is reversed."""
     return law.mirrored if isinstance(law, ForceLaw) else law
 
 

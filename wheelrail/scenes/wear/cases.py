@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.multibody.vehicle import Vehicle
 
 FAILED = 0.02  # largest share of wheels without a result
+OPPOSITE: Mapping[Side, Side] = {"left": "right", "right": "left"}
 WITHOUT_CELLS = ("table",)
 
 Profiles = Mapping[str, WearingProfile]  # by name
@@ -48,6 +49,7 @@ class Case:
     table: DutyTable
     scene: RunScene
     vehicle: Vehicle
+    turned: bool = False  # end for end: its left wheels are on the right
 
     @cached_property
     def new_profiles(self) -> SideProfiles:
@@ -59,7 +61,7 @@ class Case:
         """Text that is equal for cases whose contacts are equal."""
         keys = self.scene.model_dump(exclude={"track", "vehicle", "solver", "output", "kick", "force", "torque"})
         track = self.scene.track.model_dump(include={"gauge", "gauge_height"})
-        return json.dumps([keys, track], default=str, sort_keys=True)
+        return json.dumps([keys, track, self.turned], default=str, sort_keys=True)
 
 
 @dataclass
@@ -90,7 +92,19 @@ class Duty:
     @cached_property
     def cases(self) -> tuple[Case, ...]:
         vehicle = None if self.table.vehicle is None else Path(self.table.vehicle)
-        return tuple(self._case(table, vehicle) for table in self.table.cases)
+        return tuple(way for table in self.table.cases for way in self._ways(self._case(table, vehicle)))
+
+    def _ways(self, case: Case) -> Iterator[Case]:
+        """The case, or two of half its share, one of them with the vehicle turned."""
+        if not self.table.turned:
+            yield case
+            return
+        if case.scene.force or case.scene.side("left").radius != case.scene.side("right").radius:
+            text = "not allowed with forces on bodies, nor with wheels of different radii"
+            raise SceneError(f"{self.path}: turned = true: duty {case.name!r}: {text}")
+        half = case.table.model_copy(update={"share": 0.5 * case.table.share})
+        yield replace(case, table=half)
+        yield replace(case, name=f"{case.name}, turned", table=half, vehicle=case.vehicle.turned, turned=True)
 
     def _case(self, table: DutyTable, vehicle: Path | None) -> Case:
         name, file = table.title(0), table.scene or self.table.scene
@@ -117,9 +131,11 @@ class Duty:
         scene = self.cases[0].scene
         return 0.5 * float(scene.E) / (1.0 - float(scene.nu) ** 2)
 
-    def profile_of(self, side: Side) -> str:
-        """Name of the profile of a side."""
-        return "wheel" if self.table.profiles == "one" else side
+    def profile_of(self, side: Side, turned: bool = False) -> str:
+        """Name of the profile on a side of the track, of a vehicle that may be turned."""
+        if self.table.profiles == "one":
+            return "wheel"
+        return OPPOSITE[side] if turned else side
 
     def unworn(self) -> dict[str, WearingProfile]:
         """The new profiles by name."""
@@ -153,7 +169,7 @@ class Duty:
     def pairs(self, case: Case, present: Mapping[str, Profile]) -> SideProfiles:
         """Worn wheel and inclined rail by side; present: profiles by name."""
         new = case.new_profiles
-        left, right = ((present[self.profile_of(side)], new[side][1]) for side in SIDES)
+        left, right = ((present[self.profile_of(side, case.turned)], new[side][1]) for side in SIDES)
         return {"left": left, "right": right}
 
     def _on_bodies(
@@ -162,7 +178,7 @@ class Duty:
         """The contact with the compliance of earlier profiles: that of a worn wheel takes seconds, and a depth of 0.3
         mm changes places of contact by 0.1 mm and pressures by 1.5 %.
         """
-        name, model = self.profile_of(side), contact.model
+        name, model = self.profile_of(side, case.turned), contact.model
         if not isinstance(model, LatticeContact) or profiles[name] is renewed[name]:
             return contact
         key = case.contact_key, side
@@ -193,8 +209,9 @@ class Duty:
         """
         surfaces = {}
         for side in SIDES:
-            own = profiles[self.profile_of(side)]
-            surfaces[side] = WornSurface(self.profile_of(side), own.grid, own.place, laws(case.scene, side))
+            name = self.profile_of(side, case.turned)
+            own = profiles[name]
+            surfaces[side] = WornSurface(name, own.grid, own.place, laws(case.scene, side))
         rates, states = MotionRates(surfaces, self.law), dict[str, Array]()
         try:
             if case.table.steady is None:

@@ -142,11 +142,12 @@ class ReprofileTable(SceneTable):
 class WearTable(SceneTable):
     """Wear of the wheel profiles of a vehicle.
 
-    scene: file of a run whose contact, track and wheels all cases have that name no other. vehicle: file; by default
-    the plane wagon of the scene. law: name, coefficients, scale and zones of a law of wear. until: distance, m. depth:
-    largest of a step, m. step: its longest distance, m. profiles: "one" for all wheels, or one for each of the "sides".
-    interval: between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn
-    profile. reprofile: limits of measures.
+    scene: file of a run whose contact, track and wheels all cases have that name no other. vehicle: file; by
+    default the plane wagon of the scene. law: name, coefficients, scale and zones of a law of wear. until:
+    distance, m. depth: largest of a step, m. step: its longest distance, m. profiles: "one" for all wheels, or one
+    for each of the "sides". turned: whether the vehicle runs half of each case turned end for end. interval:
+    between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn profile.
+    reprofile: limits of measures.
     """
 
     kind: Literal["wear"] = "wear"
@@ -157,6 +158,7 @@ class WearTable(SceneTable):
     depth: RemovedDepth = 5e-5
     step: LongestStep = inf
     profiles: Literal["one", "sides"] = "one"
+    turned: bool = False
     interval: Interval = 2.0
     renew: RemovedDepth = 5e-4
     reprofile: ReprofileTable | None = None
