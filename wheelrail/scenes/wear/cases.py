@@ -95,7 +95,7 @@ class Duty:
         return tuple(way for table in self.table.cases for way in self._ways(self._case(table, vehicle)))
 
     def _ways(self, case: Case) -> Iterator[Case]:
-        """The case, or two of half its share, one of them with the vehicle turned."""
+        """The case, or two halves of a case, one with the vehicle turned."""
         if not self.table.turned:
             yield case
             return
