@@ -49,8 +49,8 @@ def run(keys: str) -> FlexibleRun:
     """The run with further keys."""
     scene = parse_scene(SCENE.read_text(encoding="utf-8") + keys, SCENE)
     assert isinstance(scene, RunScene)
-    contact, structure = run_contact(scene)
-    dynamics = wagon_dynamics(wagon(scene), scene.track.track(), contact, scene.vehicle.speed_profile, structure)
+    contact, structures = run_contact(scene, [WHEELSET])
+    dynamics = wagon_dynamics(wagon(scene), scene.track.track(), contact, scene.vehicle.speed_profile, structures)
     simulate(dynamics, (0.0, 0.02), steps=StepSettings("rosenbrock", 3e-3, 3e-6))  # compilation and compliance
     began = process_time()
     history = simulate(dynamics, (0.0, SECONDS), steps=StepSettings("rosenbrock", 3e-3, 3e-6))
@@ -64,11 +64,12 @@ def stiffness(dynamics: VehicleDynamics) -> float:
     states = dynamics.wheelset_states(0.0, rest.state)
     (tangents,) = VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts).values[..., :-1]
     by_z, by_motions = tangents[0, 2, 1], tangents[0, 2, 9:]
-    if dynamics.structure is None:
+    (structure,) = dynamics.structures.own
+    if structure is None:
         return -float(by_z)
     wrenches, wheelset = side_wrenches(rest.contacts[WHEELSET]), states[WHEELSET]
-    slopes = dynamics.structure.load_slopes(wheelset, wrenches, tangents).sum(axis=0)
-    slopes = dynamics.structure.compliance[: len(by_motions)] @ slopes
+    slopes = structure.load_slopes(wheelset, wrenches, tangents).sum(axis=0)
+    slopes = structure.compliance[: len(by_motions)] @ slopes
     return -float(by_z + by_motions @ np.linalg.solve(np.eye(len(by_motions)) - slopes[:, 9:], slopes[:, 1]))
 
 

@@ -86,7 +86,7 @@ def exact_force(speed: float) -> Array:
     """Dynamic force (SAMPLES,) N of one wheel on a beam on two layers, of an infinite Euler beam at rest and a spring
     in series that gives the static compliance of the rail in the runs; speed: m/s.
     """
-    structure = cases()["pads on ballast, with mass"].structure
+    structure = cases()["pads on ballast, with mass"].structures.own[0]
     assert structure is not None
     rail = structure.pairs.flexibility.matrix[13, 13]  # vertical, of the left rail
     stations = LENGTH * np.arange(SAMPLES) / SAMPLES

@@ -86,7 +86,8 @@ def equations(keys: str, *, massless: bool = False) -> VehicleDynamics:
     """Equations of motion of the scene with further keys; massless: a track on ballast without its masses."""
     scene = parse_scene(SCENE.read_text(encoding="utf-8") + keys, SCENE)
     assert isinstance(scene, RunScene)
-    contact, structure = run_contact(scene)
+    contact, structures = run_contact(scene, ["wheelset"])
+    (structure,) = structures or (None,)
     if massless and structure is not None:
         structure = QuasiStaticStructure(structure.pairs)
     return wagon_dynamics(wagon(scene), scene.track.track(), contact, scene.vehicle.speed_profile, structure)

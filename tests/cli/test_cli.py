@@ -61,7 +61,7 @@ def contact(file: Path, *options: str) -> Any:
 
 
 def vehicle(command: str, monkeypatch: pytest.MonkeyPatch, *options: str) -> Any:
-    monkeypatch.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene: (CONTACT, None))
+    monkeypatch.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene, names: (CONTACT, None))
     return CliRunner().invoke(app, [command, str(SCENES / "curve.toml"), *options])
 
 
@@ -94,7 +94,7 @@ def test_no_run_or_no_equilibrium_is_an_error(monkeypatch: pytest.MonkeyPatch) -
         refused = CliRunner().invoke(app, [command, str(HERTZ)])
         assert refused.exit_code == 2
         assert "wheelrail contact" in refused.stderr
-    monkeypatch.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene: (nothing, None))
+    monkeypatch.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene, names: (nothing, None))
     failed = CliRunner().invoke(app, ["modes", str(SCENES / "curve.toml")])
     assert failed.exit_code == 1
     assert "50 mm" in failed.stderr
@@ -514,7 +514,7 @@ RUN = textwrap.dedent(
             result = super().__call__(pose, motion, guess)
             return replace(result, patches=(patch(float(result.force[2]), result.force),) * result.ok)
 
-    wheelrail.scenes.runs.run.run_contact = lambda scene: (WheelsetContact(Contact(), MOUNTING), None)
+    wheelrail.scenes.runs.run.run_contact = lambda scene, names: (WheelsetContact(Contact(), MOUNTING), None)
     from wheelrail.cli.main import main
     main()
     """

@@ -100,9 +100,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         text = text if "[output]" in text else f"{text}\n[output]\n"
         (path / f"{name}.toml").write_text(text.replace("[output]", "[output]\nfigures = false"))
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (LinearCreep(), None))
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (LinearCreep(), None))
         springs = {"standard": LinearCreep(), "condensed": CONTACT}
-        patched.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene: (springs[scene.model], None))
+        patched.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene, names: (springs[scene.model], None))
         patched.setattr("wheelrail.scenes.studies.run.processes", ThreadPoolExecutor)
         patched.setattr("wheelrail.scenes.plots.comparison.draw_comparison", lambda *_: [])
         patched.setattr("wheelrail.scenes.studies.plots.draw_study", lambda *_: [])

@@ -41,8 +41,8 @@ def command(folder: Path, scene: str, *options: str, vehicle: tuple[str, ...] = 
     file.write_text(scene)
     out = ("--out", str(folder)) if what == "run" else ()
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (LinearCreep(), None))
-        patched.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene: (LinearCreep(), None))
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (LinearCreep(), None))
+        patched.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene, names: (LinearCreep(), None))
         return CliRunner().invoke(app, [what, str(file), *vehicle, *out, *options])
 
 
@@ -102,7 +102,7 @@ def test_an_interrupted_run_resumes_to_the_same_bits(whole: Path, tmp_path: Path
 
     (tmp_path / "scene.toml").write_text(scene)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (Interrupting(), None))
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (Interrupting(), None))
         line = ["run", str(tmp_path / "scene.toml"), *VEHICLE, "--out", str(tmp_path)]
         stopped = CliRunner().invoke(app, line)
     assert stopped.exit_code == 130

@@ -156,7 +156,7 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both runs, figures, table; completed runs are not repeated, those of another scene are."""
     models: list[str] = []
 
-    def contact(scene: RunScene) -> tuple[WheelsetContact, None]:
+    def contact(scene: RunScene, names: object) -> tuple[WheelsetContact, None]:
         models.append(scene.model)
         elsewhere = replace(CONTACT, mounting=replace(CONTACT.mounting, rail_y=0.751))
         return CONTACT if scene.model == "standard" else elsewhere, None

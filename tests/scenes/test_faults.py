@@ -56,7 +56,7 @@ def quick(folder: Path, *changes: tuple[str, str]) -> Path:
 
 @pytest.fixture(autouse=True)
 def smooth(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (SMOOTH, None))
+    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (SMOOTH, None))
 
 
 def stopped(folder: Path, code: str, *line: str) -> tuple[int, str]:
@@ -104,7 +104,7 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("undisturbed")
     quick(folder)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (SMOOTH, None))
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (SMOOTH, None))
         resumed(folder)
     return folder
 

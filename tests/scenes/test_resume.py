@@ -305,7 +305,7 @@ def test_a_checkpoint_of_another_vehicle_is_one_line(tmp_path: Path, monkeypatch
     at, scene = decode(kept(30)[1][1], PACKAGES), parse_scene(text)
     assert isinstance(scene, RunScene)
     other = replace(at, state=at.state[:-1])
-    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (CONTACT, None))
+    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (CONTACT, None))
     monkeypatch.setattr("wheelrail.scenes.runs.resume.latest", lambda *given: other)
     with pytest.raises(SceneError, match=r"checkpoints.*a state of shape \(19,\): must be \(20,\); omit --resume"):
         run_scene(scene, text, tmp_path, Console(), resume=True)
@@ -353,7 +353,7 @@ def command(folder: Path, *options: str, contact: Stopping | None = None, **chan
     scene.write_text(text.replace("[output]", "[output]\ncheckpoint = 30\nfigures = false"))
     model = WheelsetContact(contact or Stopping(), CONTACT.mounting)
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (model, None))
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (model, None))
         return CliRunner().invoke(app, ["run", str(scene), "--out", str(folder), *options])
 
 

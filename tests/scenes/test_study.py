@@ -591,8 +591,8 @@ def numbers(data: Dataset) -> Dataset:
 def test_killed_run_resumes_from_its_checkpoint(tmp_path: Path, here: Here, monkeypatch: pytest.MonkeyPatch) -> None:
     solved, made = list[Counted](), scene_run.run_contact
 
-    def counted(scene: RunScene) -> tuple[Any, Any]:
-        contact, structure = made(scene)
+    def counted(scene: RunScene, names: Any) -> tuple[Any, Any]:
+        contact, structure = made(scene, names)
         solved.append(Counted(contact))
         return solved[-1], structure
 

@@ -61,7 +61,7 @@ def command(
     scene = folder / "scene.toml"
     scene.write_text(f"{text}\n[output]\ncheckpoint = 5\nfigures = false\n")
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (contact or Stopping(), None))
+        patched.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (contact or Stopping(), None))
         return CliRunner().invoke(app, ["run", str(scene), "--vehicle", str(vehicle), "--out", str(folder), *options])
 
 
@@ -161,7 +161,7 @@ class CubicSpring(LinearCreep):
 
 def hunting(*options: str, scene: Path = HUNTING, vehicle: Path = MANCHESTER) -> Any:
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene: (CubicSpring(), None))
+        patched.setattr("wheelrail.scenes.runs.steady.run_contact", lambda scene, names: (CubicSpring(), None))
         return CliRunner().invoke(app, ["hunting", str(scene), "--vehicle", str(vehicle), *options])
 
 
@@ -230,7 +230,7 @@ def test_evaluate_says_that_a_run_failed_and_takes_no_missing_force_for_zero(who
 
 def test_a_run_of_a_vehicle_from_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, whole: Path) -> None:
     """The same as of the command, with figures and table of a vehicle."""
-    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene: (LinearCreep(), None))
+    monkeypatch.setattr("wheelrail.scenes.runs.run.run_contact", lambda scene, names: (LinearCreep(), None))
     done = wr.run(whole / "scene.toml", vehicle=MANCHESTER)
     assert done.status == "completed"
     np.testing.assert_array_equal(done.data["vertical_force"].values, results(whole)["vertical_force"].values)

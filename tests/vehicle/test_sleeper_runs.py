@@ -68,7 +68,7 @@ def run(speed: float, spans: float, ballast: bool = False) -> History:
 def test_slow_wheels_follow_the_rail(ballast: bool, swing: float) -> None:
     # Far below every resonance, at 3 Hz, each wheel carries its load and stands on c_zz(x) times that load.
     history = run(2.0, 1.0, ballast)
-    structure = history.dynamics.structure
+    structure = history.dynamics.structures.own[0]
     assert structure is not None
     elastic = structure.pairs.flexibility
     assert elastic.rails is not None
@@ -98,12 +98,12 @@ def test_forces_at_the_sleeper_passing_frequency() -> None:
 def test_energy_balance_has_the_work_along_the_track(ballast: bool) -> None:
     history = run(45.0, 3.0 if ballast else 9.0, ballast)
     balance = energy_balance(history)
-    structure = history.dynamics.structure
+    structure = history.dynamics.structures.own[0]
     assert structure is not None
     along = np.array(
         [
             45.0 * structure.at(s).energy_by_distance(motions)
-            for s, motions in zip(history.distance, history.motions[:, 0], strict=True)
+            for s, motions in zip(history.distance, history.motions, strict=True)
         ]
     )
     power = balance.power.copy()

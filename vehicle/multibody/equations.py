@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ from wheelrail.vehicle.loads.applied_loads import AppliedLoads
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquations
 from wheelrail.vehicle.multibody.coordinates import PITCH, RATE_SCALE, ROLL, YAW, Coordinates, X, Y, Z
+from wheelrail.vehicle.multibody.structures import Structures
 from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
 from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.track.section_poses import TrackSections
@@ -40,7 +41,7 @@ class VehicleEvaluation:
     """Result of one evaluation of the equations of motion.
 
     Parameters:
-        rate: (2 c + m + w k,) time derivative of the state.
+        rate: (2 c + m + k,) time derivative of the state.
         contacts: results by wheelset and side.
         guess: results from which the contact solves started; None: none.
         states: of the wheelsets, each in the track frame at its own distance; None: not at hand.
@@ -61,24 +62,25 @@ class VehicleDynamics:
         track: alignment and irregularities.
         contact: model of the wheel-rail contacts, the same for all wheelsets.
         speed: of the reference motion along the track, constant, m/s, or a `SpeedProfile`.
-        structure: axle and rails of each wheelset that move with the contact's loads, with k motions; the contact then
-            is that of a `FlexibleState`. None: both are rigid.
+        structure: axle and rails that move with the contact's loads, with k motions in all; the contact then is that of
+            a `FlexibleState`. One for all wheelsets or one for each, None where both are rigid.
         loads: torques on the wheelsets and forces on the bodies.
 
-    A state (2 c + m + w k,) has the parts of `Coordinates`, then the motions of the structures. Each body is described
+    A state (2 c + m + k,) has the parts of `Coordinates`, then the motions of the structures. Each body is described
     in the track frame at its own distance along the track. Raises ValueError for a speed that is not positive and
-    finite, InvalidVehicle for a body that the vertical springs cannot carry, and for loads that do not fit the vehicle.
+    finite and for a number of structures that is not that of the wheelsets, InvalidVehicle for a body that the vertical
+    springs cannot carry, and for loads that do not fit the vehicle.
     """
 
     vehicle: Vehicle
     track: Track
     contact: VehicleContact
     speed: float | SpeedProfile
-    structure: Structure | None = None
+    structure: Structure | Sequence[Structure | None] | None = None
     loads: AppliedLoads = NO_LOADS
 
     def __post_init__(self) -> None:
-        _ = self.speed_profile, self.suspension.static_loads, self.applied  # validates all
+        _ = self.speed_profile, self.suspension.static_loads, self.applied, self.structures  # validates all
 
     @cached_property
     def speed_profile(self) -> SpeedProfile:
@@ -98,6 +100,11 @@ class VehicleDynamics:
         return BodyEquations(self.suspension, TrackSections(self.track), self.applied)
 
     @cached_property
+    def structures(self) -> Structures:
+        """Axle and track of each wheelset."""
+        return Structures.of(self.structure, len(self.vehicle.wheelsets))
+
+    @cached_property
     def applied(self) -> AppliedForces:
         return AppliedForces(self.coordinates, self.loads)
 
@@ -113,7 +120,7 @@ class VehicleDynamics:
 
     @cached_property
     def drifting(self) -> NDArray[np.bool_]:
-        """Components (2 c + m + w k,) of a state that contain the distance from the reference motion: x of all bodies,
+        """Components (2 c + m + k,) of a state that contain the distance from the reference motion: x of all bodies,
         the wheelsets' angles of rolling, and their rates.
         """
         along = self.coordinates.free % 6 == X
@@ -161,25 +168,17 @@ class VehicleDynamics:
     @property
     def size(self) -> int:
         """Length of a state."""
-        return self.coordinates.size + self.motion_count
-
-    @property
-    def motion_count(self) -> int:
-        """Number w k of motions of axles and rails in a state."""
-        return 0 if self.structure is None else len(self.vehicle.wheelsets) * self.structure.size
+        return self.coordinates.size + self.structures.size
 
     def motions(self, state: Array) -> Array:
-        """Motions (..., w, k) of axles and rails of states (..., 2 c + m + w k)."""
-        shape = (*state.shape[:-1], len(self.vehicle.wheelsets), 0 if self.structure is None else self.structure.size)
-        return state[..., self.coordinates.size :].reshape(shape)
+        """Motions (..., k) of axles and rails of states (..., 2 c + m + k)."""
+        return state[..., self.coordinates.size :]
 
     def tolerances(self, atol: float) -> Array:
-        """Absolute tolerances (2 c + m + w k,) for implicit steps, see `Coordinates.tolerances`; those of the rates of
+        """Absolute tolerances (2 c + m + k,) for implicit steps, see `Coordinates.tolerances`; those of the rates of
         tracks with mass are 100 atol.
         """
-        motions = np.full(self.motion_count, float(atol))
-        if self.structure is not None:
-            motions.reshape(-1, self.structure.size)[:, self.structure.size - self.structure.velocities :] *= RATE_SCALE
+        motions = np.where(self.structures.velocities, RATE_SCALE * float(atol), float(atol))
         return np.concatenate([self.coordinates.tolerances(atol), motions])
 
     def __call__(
@@ -193,7 +192,7 @@ class VehicleDynamics:
 
         Parameters:
             time: s.
-            state: (2 c + m + w k,), see `wheelrail.vehicle.multibody.coordinates`.
+            state: (2 c + m + k,), see `wheelrail.vehicle.multibody.coordinates`.
             previous: evaluation whose contact results are the initial guess of the contact solves.
             guess: contact results that are the initial guess instead.
 
@@ -215,21 +214,21 @@ class VehicleDynamics:
         return np.asarray(travel.distance + (self.coordinates.places + position[..., X])[..., wheelsets])
 
     def structure_rates(self, time: float, state: Array, contacts: WheelContacts) -> Array:
-        """Rates (w k,) of the motions of axles and rails under the loads of the contacts at a time s."""
+        """Rates (k,) of the motions of axles and rails under the loads of the contacts at a time s."""
         return self._structure_rates(self.speed_profile(time), state, self.wheelset_states(time, state), contacts)
 
     def _structure_rates(
         self, travel: TrackPosition, state: Array, states: Mapping[str, WheelsetState], contacts: WheelContacts
     ) -> Array:
-        """Rates (w k,) of the motions of axles and rails."""
-        if self.structure is None:
-            return np.empty(0)
-        rates = []
-        motions, distances = self.motions(state), self.distances(travel, state).tolist()
-        for own, distance, (name, wheelset) in zip(motions, distances, states.items(), strict=True):
-            here = self.structure.at(distance)
-            rates.append(here.rates(own, here.loads(wheelset, side_wrenches(contacts[name]))))
-        return np.concatenate(rates)
+        """Rates (k,) of the motions of axles and rails."""
+        rates = np.empty(self.structures.size)
+        if not rates.size:
+            return rates
+        motions, distances, names = self.motions(state), self.distances(travel, state).tolist(), list(states)
+        for i, structure, own in self.structures.elastic:
+            here, name = structure.at(distances[i]), names[i]
+            rates[own] = here.rates(motions[own], here.loads(states[name], side_wrenches(contacts[name])))
+        return rates
 
     def wheelset_states(self, time: float, state: Array) -> dict[str, WheelsetState]:
         """State of each wheelset in the track frame at its own distance."""
@@ -238,15 +237,14 @@ class VehicleDynamics:
 
     def _wheelset_states(self, travel: TrackPosition, state: Array, sections: Array) -> dict[str, WheelsetState]:
         position, rate, _ = self.coordinates.split(state)
-        states, rolling, motions = {}, travel.speed / self.vehicle.radius, self.motions(state)
-        wheelsets = self.coordinates.wheelset_bodies.tolist()
-        for own, i, name in zip(motions, wheelsets, self.vehicle.wheelsets, strict=True):
+        states, rolling = dict[str, WheelsetState](), travel.speed / self.vehicle.radius
+        for i, name in zip(self.coordinates.wheelset_bodies.tolist(), self.vehicle.wheelsets, strict=True):
             q, v = position[i].tolist(), rate[i].tolist()
             speed = travel.speed + v[X]
             if not speed > 0.0:
                 raise StepFailure(f"{name} does not move forwards")
             wx, wy, wz = (speed * sections[i, 4]).tolist()
-            wheelset = WheelsetState(
+            states[name] = WheelsetState(
                 y=q[Y],
                 z=q[Z],
                 roll=q[ROLL],
@@ -260,7 +258,10 @@ class VehicleDynamics:
                 frame_rate=(wx, wy, wz),
                 rail_shift=self._rail_shift(travel.distance + self.vehicle.bodies[name].x + q[X], q[YAW]),
             )
-            states[name] = wheelset if self.structure is None else self.structure.moved(wheelset, own)
+        motions = self.motions(state)
+        for i, structure, own in self.structures.elastic:
+            name = self.vehicle.wheelsets[i]
+            states[name] = structure.moved(states[name], motions[own])
         return states
 
     def _rail_shift(self, distance: float, yaw: float) -> RailShift | None:

@@ -36,7 +36,7 @@ FIRST_RATE = WheelsetState.coordinates.index("y_rate")
 
 @dataclass(frozen=True)
 class VehicleLinearisation:
-    """Derivatives of the rate (n,), n = 2 c + m + w k.
+    """Derivatives of the rate (n,), n = 2 c + m + k.
 
     Parameters:
         by_state: (n, n).
@@ -61,7 +61,7 @@ class RailSlopes(NamedTuple):
 
 
 class ContactTangents(NamedTuple):
-    """Derivatives (w, 2, 6, 10 + k) of force and moment of each wheel; whether they are the contact model's own."""
+    """Derivatives (w, 2, 6, 10 or 28) of force and moment of each wheel; whether they are the contact model's own."""
 
     values: Array
     exact: bool
@@ -110,12 +110,12 @@ class VehicleJacobian:
         result.by_state[c:m, :m], result.by_time[c:m] = bodies.by_state, bodies.by_time
         for i, (own, tangent) in enumerate(zip(self._own, tangents.values, strict=True)):
             self._add(result, i, c + own, bodies.by_wrench[:, own].T @ tangent, rails)
-        if d.structure is not None:
+        if d.structures.elastic:
             self._add_structures(result, travel, state, states, at.contacts, tangents.values, rails)
         return result
 
     def _by_state(self, tangents: Array) -> Array:
-        """Derivatives (6 w, n) of the forces of all wheels, of tangents (w, 2, 3, 10 + k)."""
+        """Derivatives (6 w, n) of the forces of all wheels, of tangents (w, 2, 3, 10 or 28)."""
         result = np.zeros((*tangents.shape[:3], self.dynamics.size))
         for i, own in enumerate(tangents):
             columns, free = self._columns[i]
@@ -138,7 +138,7 @@ class VehicleJacobian:
     def _add(
         self, result: VehicleLinearisation, i: int, rows: NDArray[np.int64], by_contact: Array, rails: RailSlopes | None
     ) -> None:
-        """Add derivatives (2, rows, 10 + k) of rates by the changes of the left and the right contact of wheelset i."""
+        """Add derivatives (2, rows, 10 or 28) of rates by the changes of both contacts of wheelset i."""
         columns, free = self._columns[i]
         result.by_state[rows[:, None], columns] += (by_contact[0] + by_contact[1])[:, free]
         if rails is not None:
@@ -159,18 +159,18 @@ class VehicleJacobian:
         rails: RailSlopes | None,
     ) -> None:
         """Add the rows of the motions of axles and rails."""
-        d, count = self.dynamics, len(FlexibleState.coordinates)
-        assert d.structure is not None
+        d, count, names = self.dynamics, len(FlexibleState.coordinates), list(states)
         motions, distances = d.motions(state), d.distances(travel, state).tolist()
-        for i, (name, wheelset) in enumerate(states.items()):
-            structure, wrenches = d.structure.at(distances[i]), side_wrenches(contacts[name])
+        for i, anywhere, own in d.structures.elastic:
+            structure, wheelset = anywhere.at(distances[i]), states[names[i]]
+            wrenches = side_wrenches(contacts[names[i]])
             slopes = structure.load_slopes(wheelset, wrenches, tangents[i, ..., :count])
             by_speed = [structure.loads(wheelset, _only(side, tangents[i, ..., count])) for side in range(len(SIDES))]
             slopes = np.concatenate([slopes, np.array(by_speed)[..., None]], axis=2)
-            rows = d.coordinates.size + i * d.structure.size + np.arange(d.structure.size)
+            rows = d.coordinates.size + np.arange(own.start, own.stop)
             self._add(result, i, rows, structure.by_loads @ slopes, rails)
             result.by_state[rows[:, None], rows] += structure.by_motions
-            by_distance = structure.rates_by_distance(motions[i], structure.loads(wheelset, wrenches))
+            by_distance = structure.rates_by_distance(motions[own], structure.loads(wheelset, wrenches))
             result.by_time[rows] += travel.speed * by_distance
             x = 6 * d.coordinates.wheelset_bodies[i] + X
             result.by_state[rows[:, None], np.flatnonzero(d.coordinates.free == x)] += by_distance[:, None]
@@ -194,14 +194,14 @@ class VehicleJacobian:
         """
         d = self.dynamics
         places, total = self._places, d.coordinates.held.size
+        first = {own.wheelset: d.coordinates.size + own.states.start for own in d.structures.elastic}
+        moving = len(MOTIONS) if first else 0
         result = list[tuple[NDArray[np.int64], NDArray[np.int64]]]()
         for i, body in enumerate(d.coordinates.wheelset_bodies.tolist()):
             columns = [6 * body + k for k in (Y, Z, ROLL, YAW)]
             columns += [total + 6 * body + k for k in (Y, Z, ROLL, YAW, PITCH)]
             indices = [places.get(column, -1) for column in columns]
-            if d.structure is not None:
-                first = d.coordinates.size + i * d.structure.size
-                indices += range(first, first + len(MOTIONS))
+            indices += range(first[i], first[i] + moving) if i in first else [-1] * moving
             indices.append(places.get(total + 6 * body + X, -1))
             free = np.flatnonzero(np.array(indices) >= 0)
             result.append((np.array(indices)[free], free))
@@ -222,7 +222,7 @@ class VehicleJacobian:
         """
         tangents = self._analytical_tangents(states, contacts)
         exact = tangents is not None
-        if tangents is None and self.dynamics.structure is not None:
+        if tangents is None and self.dynamics.structures.elastic:
             raise StepFailure("the contact has no tangent, which elastic axles and rails on pads need")
         if tangents is None:
             tangents = self._differences(states, contacts)
@@ -234,7 +234,10 @@ class VehicleJacobian:
         return ContactTangents(np.concatenate([tangents, by_speed[..., None]], axis=-1), exact)
 
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
-        """Tangents (w, 2, 6, 9 + k) of the contact model; None if it has none. Raises StepFailure when one fails."""
+        """Tangents (w, 2, 6, 9 or 27) of the contact model; None if it has none.
+
+        Raises StepFailure when one fails.
+        """
         try:
             tangents = self.dynamics.element.tangents(list(states.values()), [contacts[name] for name in states])
         except ValueError:  # some models and results have no tangent

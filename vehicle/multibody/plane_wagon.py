@@ -4,7 +4,7 @@ held.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -33,7 +33,7 @@ def wagon_dynamics(
     track: Track,
     contact: VehicleContact,
     speed: float | SpeedProfile,
-    structure: Structure | None = None,
+    structure: Structure | Sequence[Structure | None] | None = None,
 ) -> VehicleDynamics:
     """Equations of motion of the plane wagon on a track; parameters as for `VehicleDynamics`."""
     return VehicleDynamics(plane_vehicle(wagon), track, contact, speed, structure)

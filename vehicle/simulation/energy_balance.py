@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.simulation.history import History
-
-if TYPE_CHECKING:
-    from wheelrail.contact.loading.structure import Structure
 
 POWERS = ("contact", "dampers", "gravity", "inertial")
 APPLIED = (*POWERS, "applied")  # with torques and forces
@@ -78,15 +74,15 @@ def energy_balance(history: History) -> EnergyBalance:
         wrenches = np.concatenate([row.force, row.moment], axis=2).sum(axis=1)
         kinetic, elastic, *powers = dynamics.bodies.energy_rates(dynamics.speed_profile(row.time), row.state, wrenches)
         energy[i], power[i] = kinetic + elastic, powers[: len(causes)]
-    if dynamics.structure is not None:
-        stored, supplied, dissipated = _of_structures(history, dynamics.structure)
+    if dynamics.structures.elastic:
+        stored, supplied, dissipated = _of_structures(history)
         energy += stored
         power[:, 0] += supplied
         power[:, 1] -= dissipated
     return EnergyBalance(history.time, energy, power)
 
 
-def _of_structures(history: History, structure: Structure) -> Array:
+def _of_structures(history: History) -> Array:
     """Elastic energy J of axles and rails, power W supplied by the contacts, and power W dissipated by dampers, (3, n).
 
     Rates are those of a cubic spline through the samples: in those of the equations of motion, a small difference over
@@ -98,14 +94,12 @@ def _of_structures(history: History, structure: Structure) -> Array:
     rates = CubicSpline(history.time, motions)(history.time, 1) if n > 1 else np.zeros_like(motions)
     balance = np.zeros((3, n))
     for i, row in enumerate(history.rows):
-        states = dynamics.wheelset_states(row.time, row.state).values()
+        states = list(dynamics.wheelset_states(row.time, row.state).values())
         distances = dynamics.distances(dynamics.speed_profile(row.time), row.state).tolist()
         wrenches = np.concatenate([row.force, row.moment], axis=2)
-        for own, rate, wheelset, distance, wrench in zip(
-            motions[i], rates[i], states, distances, wrenches, strict=True
-        ):
-            here = structure.at(distance)
-            loads = here.loads(wheelset, wrench)
-            supplied = loads @ rate[: len(loads)] + wheelset.speed * here.energy_by_distance(own)
-            balance[:, i] += here.energy(own), supplied, here.dissipated_power(rate)
+        for k, structure, own in dynamics.structures.elastic:
+            here, motion, rate = structure.at(distances[k]), motions[i, own], rates[i, own]
+            loads = here.loads(states[k], wrenches[k])
+            supplied = loads @ rate[: len(loads)] + states[k].speed * here.energy_by_distance(motion)
+            balance[:, i] += here.energy(motion), supplied, here.dissipated_power(rate)
     return balance

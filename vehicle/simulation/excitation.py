@@ -143,9 +143,9 @@ class Excitation:
             at: evaluation there.
             step: s.
         """
-        if self.dynamics.structure is not None:
+        if self.dynamics.structures.elastic:
             _, speed = self.dynamics.progress(time, state)
-            step = min(step, self.dynamics.structure.period / (3.0 * speed))
+            step = min(step, self.dynamics.structures.period / (3.0 * speed))
         if self._resolves(time, state, at, step):
             return step
         while step > SHORTEST:

@@ -58,7 +58,7 @@ class History:
 
     @cached_property
     def state(self) -> Array:
-        """(n, 2 c + m + w k), see `wheelrail.vehicle.multibody.coordinates`."""
+        """(n, 2 c + m + k), see `wheelrail.vehicle.multibody.coordinates`."""
         return np.array([row.state for row in self.rows]).reshape(-1, self.dynamics.size)
 
     @cached_property
@@ -149,7 +149,7 @@ class History:
 
     @property
     def motions(self) -> Array:
-        """Motions (n, w, k) of axles and rails, see `wheelrail.contact.loading.flexible_state.MOTIONS`."""
+        """Motions (n, k) of axles and rails of all wheelsets, see `VehicleDynamics.structures`."""
         return self.dynamics.motions(self.state)
 
     def coordinate(self, body: str, coordinate: int) -> Array:

@@ -22,21 +22,20 @@ def with_motions_at_rates(
     Interpolated motions are not accurate enough: wheel and rail both move, and an error of 10 um between them is one of
     10 kN. Rates are.
     Parameters:
-        dynamics: equations of motion, with a structure.
+        dynamics: equations of motion, with elastic axles or rails.
         time: s.
-        state: (2 c + m + w k,), of which the last w k are a first approximation.
-        rates: (w k,) m/s and rad/s.
+        state: (2 c + m + k,), of which the last k are a first approximation.
+        rates: (k,) m/s and rad/s.
         previous: evaluation nearby, whose contacts are the initial guess.
 
     Raises StepFailure when a contact solve fails, and without convergence.
     """
-    assert dynamics.structure is not None
+    distances = dynamics.distances(dynamics.speed_profile(time), state)
     state, first, jacobian = state.copy(), dynamics.coordinates.size, VehicleJacobian(dynamics, StepStatistics())
     for _ in range(MAX_STEPS):
         evaluation = dynamics(time, state, previous)
         error = evaluation.rate[first:] - rates
-        misplaced = np.linalg.solve(dynamics.structure.by_motions, error.reshape(-1, dynamics.structure.size).T)
-        if np.abs(misplaced).max() <= TOLERANCE:
+        if np.abs(dynamics.structures.static(error, distances)).max() <= TOLERANCE:
             return state, evaluation
         slopes = jacobian(time, state, evaluation).by_state[first:, first:]
         state[first:] -= np.linalg.solve(slopes, error)

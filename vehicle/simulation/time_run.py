@@ -101,7 +101,7 @@ class TimeRun:
         rates over the step.
         """
         near = step.start if time - step.t0 < step.t - time else step.end
-        if self.dynamics.structure is None:
+        if not self.dynamics.structures.elastic:
             return state, self.dynamics(time, state, near)
         rates = (step.x - step.x0)[self.dynamics.coordinates.size :] / (step.t - step.t0)
         return with_motions_at_rates(self.dynamics, time, state, rates, near)

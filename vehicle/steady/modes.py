@@ -106,11 +106,7 @@ def _modes_of(dynamics: VehicleDynamics, matrix: Array, *, fixed: NDArray[np.int
     moving = values != 0.0
     shapes[np.ix_(rolling, moving)] = shapes[np.ix_(c + rolling, moving)] / values[moving]
     largest = np.abs(shapes[:c]).max(axis=0)
-    positions = np.ones(dynamics.motion_count, dtype=bool)
-    if dynamics.structure is not None:
-        size = dynamics.structure.size
-        positions.reshape(-1, size)[:, size - dynamics.structure.velocities :] = False
-    beside = np.abs(shapes[m:][positions]).max(axis=0, initial=0.0)
+    beside = np.abs(shapes[m:][~dynamics.structures.velocities]).max(axis=0, initial=0.0)
     shown = (values.imag >= 0.0) & (largest > AT_REST * beside)
     order = np.argsort(np.abs(values), kind="stable")
     return [_mode(dynamics, complex(values[i]), shapes[:, i]) for i in order if shown[i]]

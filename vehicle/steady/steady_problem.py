@@ -78,7 +78,7 @@ class SteadyProblem:
         limits = np.ravel([LARGEST_OF_WHEELSETS if body.wheelset else LARGEST_CHANGE for body in bodies])
         limits = limits[d.coordinates.free]
         limits[d.coordinates.rolling_angles] = LARGEST_SPIN * d.speed_profile(self.time).speed / d.vehicle.radius
-        return np.concatenate([limits, np.full(d.motion_count, MOTION)])
+        return np.concatenate([limits, np.full(d.structures.size, MOTION)])
 
     @cached_property
     def weights(self) -> Array:
@@ -92,7 +92,7 @@ class SteadyProblem:
         """(u,) at a state."""
         d, c = self.dynamics, self.dynamics.coordinates.count
         accelerations, _ = d.accelerations(self.time, state, wheelset_wrenches(contacts))
-        motions = self._static(d.structure_rates(self.time, state, contacts)[:, None])[:, 0]
+        motions = self._static(state, d.structure_rates(self.time, state, contacts))
         return np.concatenate([self.weights * accelerations[:c], motions])
 
     def jacobian(self, state: Array, contacts: WheelContacts) -> Array:
@@ -102,13 +102,9 @@ class SteadyProblem:
         matrix = linearise(self.time, state, VehicleEvaluation(np.zeros_like(state), contacts)).by_state
         matrix = matrix[:, self.unknowns]
         bodies = self.weights[:, None] * matrix[coordinates.count : 2 * coordinates.count]
-        return np.concatenate([bodies, self._static(matrix[coordinates.size :])])
+        return np.concatenate([bodies, self._static(state, matrix[coordinates.size :])])
 
-    def _static(self, rates: Array) -> Array:
-        """Distances (w k, n) of motions of axle and rails from static ones, over `MOTION`, by their rates (w k, n)."""
-        structure = self.dynamics.structure
-        if structure is None:
-            return rates
-        here = structure.at(self.dynamics.speed_profile(self.time).distance)
-        parts = np.split(rates, len(rates) // structure.size)
-        return np.asarray(np.concatenate([np.linalg.solve(here.by_motions, part) for part in parts]) / -MOTION)
+    def _static(self, state: Array, rates: Array) -> Array:
+        """Distances (k, ...) of motions of axles and rails from static ones, over `MOTION`, by rates (k, ...)."""
+        d = self.dynamics
+        return d.structures.static(rates, d.distances(d.speed_profile(self.time), state)) / -MOTION

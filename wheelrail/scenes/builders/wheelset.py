@@ -16,6 +16,7 @@ from wheelrail.scenes.schema.tables import PadsTable
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+    from wheelrail.contact.loading.flexible_contact import FlexiblePairs
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
     from wheelrail.contact.loading.structure import Structure
     from wheelrail.contact.models.wheelset import WheelsetContact
@@ -72,23 +73,41 @@ def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profi
     return WheelsetContact(model, mounting)
 
 
-def run_contact(scene: RunScene) -> tuple[VehicleContact, Structure | None]:
-    """Contact of a run, and its axle and rails if elastic; errors as for `wheelset_contact`."""
+def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleContact, Sequence[Structure | None] | None]:
+    """Contact of a run, and axle and rails of each of its wheelsets by name; None where all are rigid.
+
+    Errors as for `wheelset_contact`.
+    """
     profiles = side_profiles(scene)
     contact = wheelset_contact(scene, profiles)
     if not scene.is_flexible:
         return contact, None
     from wheelrail.contact.loading.flexible_contact import FlexibleContact
+    from wheelrail.contact.loading.flexible_wheelset import Flexibility
+
+    scenes = [scene.on_wheelset(name) for name in wheelsets]
+    of = {own.elastic_keys: flexibility(own, profiles) for own in scenes}
+    # Of its flexibility the contact takes the feet of the rails, which do not depend on their supports.
+    moving = FlexibleContact(contact, next((own for own in of.values() if own.rails is not None), Flexibility()))
+    structures = {
+        own.elastic_keys: _structure(own, profiles, replace(moving.pairs, flexibility=of[own.elastic_keys]))
+        for own in scenes
+    }
+    return moving, tuple(structures[own.elastic_keys] for own in scenes)
+
+
+def _structure(scene: RunScene, profiles: SideProfiles, pairs: FlexiblePairs) -> Structure | None:
+    """Axle and rails of a run with the same ones for all wheelsets; None where both are rigid."""
+    from wheelrail.contact.loading.co_running_structure import CoRunningStructure
     from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
 
-    moving = FlexibleContact(contact, flexibility(scene, profiles))
+    if not scene.is_flexible:
+        return None
     if scene.track.ballast is None:
-        return moving, QuasiStaticStructure(moving.pairs)
-    from wheelrail.contact.loading.co_running_structure import CoRunningStructure
-
+        return QuasiStaticStructure(pairs)
     left = _track_with_mass(scene, profiles["left"])
     right = left if scene.sides_alike else _track_with_mass(scene, profiles["right"])
-    return moving, CoRunningStructure(moving.pairs, tracks=(left, right))
+    return CoRunningStructure(pairs, tracks=(left, right))
 
 
 def element_contact(

@@ -145,19 +145,20 @@ def _track(history: History) -> dict[str, Any]:
 
 
 def _structure_motion(history: History) -> dict[str, Any]:
-    """Motions of elastic hubs and rails, if any."""
-    structure = history.dynamics.structure
-    if structure is None:
-        return {}
-    elastic, motion = structure.pairs.flexibility, history.motions
-    shape = motion.shape[:2]
-    values: dict[str, Any] = {}
-    if elastic.hubs is not None:
-        values["hub_motion"] = motion[..., :12].reshape(*shape, 2, 6) * [np.ones(6), MIRRORED_HUB]
-    if elastic.rails is not None:
-        values["rail_motion"] = motion[..., 12:18].reshape(*shape, 2, 3) * [np.ones(3), MIRRORED_RAIL]
-    if structure.velocities:
-        values["sleeper_motion"] = motion[..., 18:22].reshape(*shape, 2, 2) * [[1.0, 1.0], [-1.0, 1.0]]
+    """Motions of elastic hubs and rails, if any; NaN of wheelsets without."""
+    structures, values = history.dynamics.structures, dict[str, Array]()
+    for i, structure, states in structures.elastic:
+        elastic, motion = structure.pairs.flexibility, history.motions[:, states]
+        for name, moves, first, mirrored in (
+            ("hub_motion", elastic.hubs is not None, 0, MIRRORED_HUB),
+            ("rail_motion", elastic.rails is not None, 12, MIRRORED_RAIL),
+            ("sleeper_motion", structure.velocities > 0, 18, MIRRORED_RAIL[:2]),
+        ):
+            if moves:
+                size = len(mirrored)
+                own = motion[:, first : first + 2 * size].reshape(-1, 2, size) * [np.ones(size), mirrored]
+                rigid = np.full((len(history), len(structures.own), 2, size), np.nan)
+                values.setdefault(name, rigid)[:, i] = own
     return values
 
 

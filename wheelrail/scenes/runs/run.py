@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -161,7 +161,7 @@ def _simulated(
     """
     vehicle = vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
-        contact, structure = run_contact(scene)
+        contact, structures = run_contact(scene, vehicle.wheelsets)
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
     from wheelrail.vehicle.simulation.parallel_contact import in_threads
     from wheelrail.vehicle.simulation.time_run import Recording
@@ -178,7 +178,7 @@ def _simulated(
         progress_bar(console, length, start_distance) as progress,
     ):
         recording = Recording(scene.output.interval or None, checkpoints)
-        return simulate_on_track(scene, vehicle, parallel, end, recording, progress, structure)
+        return simulate_on_track(scene, vehicle, parallel, end, recording, progress, structures)
 
 
 def vehicle_for_run(scene: RunScene, file: Path | None = None) -> Vehicle:
@@ -211,7 +211,7 @@ def simulate_on_track(
     end: float,
     recording: Recording,
     progress: Progress,
-    structure: Structure | None = None,
+    structures: Sequence[Structure | None] | None = None,
 ) -> History:
     """Motion of a vehicle along the track of a scene.
 
@@ -222,7 +222,7 @@ def simulate_on_track(
         end: s, at which the reference motion reaches the end of the track.
         recording: rows and checkpoints.
         progress: called at each accepted step.
-        structure: axle and rails, where they are elastic.
+        structures: axle and rails of each wheelset, where they are elastic.
 
     A vehicle that runs free does so until it reaches the end of the track itself, or stops. Raises RunFailed when a
     kicked vehicle has no equilibrium to start from, and SceneError as `run_track`.
@@ -236,7 +236,7 @@ def simulate_on_track(
 
     rails, initial, until = run_track(scene, vehicle), None, inf
     loads = applied_loads(scene, vehicle)
-    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile, structure, loads)
+    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile, structures, loads)
     if dynamics.runs_free:
         until = scene.track.length
         end = until / SLOWEST

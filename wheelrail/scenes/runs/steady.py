@@ -45,8 +45,8 @@ def vehicle_dynamics(scene: RunScene, file: Path | None, speed: float) -> Vehicl
     from wheelrail.vehicle.track.track import Track
 
     vehicle = vehicle_on(scene, file)
-    loads, (contact, structure) = applied_loads(scene, vehicle), run_contact(scene)
-    return VehicleDynamics(vehicle, Track(), contact, speed, structure, loads).with_constant_loads(0.0)
+    loads, (contact, structures) = applied_loads(scene, vehicle), run_contact(scene, vehicle.wheelsets)
+    return VehicleDynamics(vehicle, Track(), contact, speed, structures, loads).with_constant_loads(0.0)
 
 
 def modes_of(scene: RunScene, file: Path | None, speeds: Sequence[float]) -> list[list[Mode]]:

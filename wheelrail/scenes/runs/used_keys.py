@@ -31,6 +31,9 @@ def used_keys(scene: RunScene) -> dict[str, Any]:
             unused.add("stiffness_per_area")
     if not scene.frictional:
         unused |= {"falling", "slip_order", "regularisation", "tangential"}
+    for name, table in (scene.wheelsets or {}).items():  # where none is a value
+        own = table.model_dump(mode="json", exclude_unset=True)
+        data["wheelsets"][name] = {key: value or False for key, value in own.items()}
     return _with_values({key: value for key, value in data.items() if key not in unused})
 
 

@@ -15,6 +15,7 @@ from pydantic import (
     field_validator,
     model_validator,
 )
+from pydantic_core import PydanticCustomError
 
 from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.errors import SceneError
@@ -28,6 +29,7 @@ from wheelrail.scenes.schema.tables import (
     BodyTable,
     FallingTable,
     OutputTable,
+    OwnWheelsetTable,
     RailsTable,
     SceneTable,
     Sides,
@@ -221,6 +223,11 @@ class OnRails(Contact):
         return any(_frictional(self.side(name).friction or 0.0) for name in SIDES)
 
     @property
+    def elastic_keys(self) -> tuple[SceneTable | None, ...]:
+        """Tables of axle and supports of the rails."""
+        return self.wheelset.axle, self.track.pads, self.track.sleepers, self.track.ballast
+
+    @property
     def is_flexible(self) -> bool:
         """Whether the axle bends or the rails move on pads."""
         return self.wheelset.axle is not None or self.track.pads is not None
@@ -233,7 +240,9 @@ class OnRails(Contact):
 
     @property
     def _flexible_key(self) -> str:
-        return "track.pads" if self.wheelset.axle is None else "wheelset.axle"
+        """Key of an elastic axle, or of pads; that of all single wheelsets if neither has them."""
+        keys = {"wheelset.axle": self.wheelset.axle, "track.pads": self.track.pads}
+        return next((key for key, value in keys.items() if value is not None), "wheelsets")
 
     @model_validator(mode="after")
     def _no_falling_law(self) -> OnRails:
@@ -382,6 +391,7 @@ class RunScene(OnRails):
 
     kick: lateral velocities at the start by body, m/s to the left, of a vehicle file.
     torque, force: of motors and brakes on wheelsets, and on bodies, of a vehicle file.
+    wheelsets: axle and track of single wheelsets by name, of a vehicle file.
     """
 
     kind: Literal["run"]
@@ -393,6 +403,32 @@ class RunScene(OnRails):
     kick: dict[str, q.KickVelocity] | None = None
     torque: Annotated[tuple[TorqueTable, ...], Strict(False), q.AtMost(1000)] | None = None
     force: Annotated[tuple[BodyForceTable, ...], Strict(False), q.AtMost(1000)] | None = None
+    wheelsets: dict[str, OwnWheelsetTable] | None = None
+
+    def on_wheelset(self, name: str) -> RunScene:
+        """The scene with axle and track of one wheelset for all."""
+        own = (self.wheelsets or {}).get(name)
+        if own is None:
+            return self.model_copy(update={"wheelsets": None})
+        changed = {key: getattr(own, key) for key in own.model_fields_set}
+        axle = {"axle": changed.pop("axle")} if "axle" in changed else {}
+        tables = {"wheelset": self.wheelset.model_copy(update=axle), "track": self.track.model_copy(update=changed)}
+        return self.model_copy(update={**tables, "wheelsets": None})
+
+    @property
+    def is_flexible(self) -> bool:
+        """Whether an axle bends or rails move on pads."""
+        return super().is_flexible or any(self.on_wheelset(name).is_flexible for name in self.wheelsets or {})
+
+    @model_validator(mode="after")
+    def _own_supports(self) -> RunScene:
+        for name in self.wheelsets or {}:
+            try:
+                self.on_wheelset(name).track.require_pads()
+            except PydanticCustomError as error:
+                context = error.context or {}
+                raise q.reject(str(context["allowed"]), f"wheelsets.{name}.{context['key']}") from None
+        return self
 
     @model_validator(mode="after")
     def _samples(self) -> RunScene:
@@ -412,7 +448,8 @@ class RunScene(OnRails):
     def keys_of_vehicle_files(self) -> list[str]:
         """Keys that are used, and allowed only with a vehicle file."""
         free = self.vehicle.free_speed or None
-        used = {"kick": self.kick, "torque": self.torque, "force": self.force, "vehicle.free_speed": free}
+        used: dict[str, Any] = {"kick": self.kick, "torque": self.torque, "force": self.force}
+        used |= {"vehicle.free_speed": free, "wheelsets": self.wheelsets}
         return [key for key, value in used.items() if value]
 
     @model_validator(mode="after")

@@ -138,25 +138,38 @@ def _switched(value: Any) -> Any:
     return {} if value is True else None if value is False else value
 
 
-class RailsTable(SceneTable):
-    """Rail positions, pads (none: feet clamped) and sleepers, discrete, on ballast, or both."""
+class SupportTable(SceneTable):
+    """Pads of the rails (none: feet clamped) and sleepers, discrete, on ballast, or both."""
 
-    gauge: q.Gauge
-    gauge_height: q.GaugeHeight
     pads: Annotated[PadsTable | None, BeforeValidator(_switched)] = None
     sleepers: Annotated[SleepersTable | None, BeforeValidator(_switched)] = None
     ballast: Annotated[BallastTable | None, BeforeValidator(_switched)] = None
 
-    @model_validator(mode="after")
-    def _sleepers_under_pads(self) -> RailsTable:
+    def require_pads(self) -> None:
+        """Raises a validation error for sleepers and ballast without pads, and for pads that overlap."""
         for key in ("sleepers", "ballast"):
             if getattr(self, key) is not None and self.pads is None:
                 raise q.reject("allowed only with pads, whose spacing it has", key)
-        if self.sleepers is None or self.pads is None:
-            return self
-        if self.sleepers.length > self.pads.spacing:
+        if self.sleepers is not None and self.pads is not None and self.sleepers.length > self.pads.spacing:
             raise q.reject(f"must be at most the spacing of the pads, {self.pads.spacing:g} m", "sleepers.length")
+
+
+class RailsTable(SupportTable):
+    """Rail positions and supports."""
+
+    gauge: q.Gauge
+    gauge_height: q.GaugeHeight
+
+    @model_validator(mode="after")
+    def _sleepers_under_pads(self) -> RailsTable:
+        self.require_pads()
         return self
+
+
+class OwnWheelsetTable(SupportTable):
+    """Axle and track of one wheelset: missing keys are as for all wheelsets, `false` is none."""
+
+    axle: Annotated[ElasticAxleTable | None, BeforeValidator(_switched)] = None
 
 
 class TrackTable(RailsTable):

@@ -1,0 +1,97 @@
+"""Scenes of vehicle files with elastic axles and tracks: of all wheelsets, and of single ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from wheelrail.contact.loading.co_running_structure import CoRunningStructure
+from wheelrail.contact.loading.flexible_contact import FlexibleContact
+from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
+from wheelrail.scenes.builders.vehicle import vehicle_on
+from wheelrail.scenes.builders.wheelset import run_contact
+from wheelrail.scenes.datasets.run import dataset
+from wheelrail.scenes.runs.resume import inputs
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene, parse_scene
+from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.track.track import Track
+
+SCENES = Path(__file__).parents[2] / "scenes"
+FILE = SCENES / "manchester_vehicle.toml"
+OWN = """
+[track.pads]
+[wheelset.axle]
+[wheelsets.wheelset_1]
+ballast = true
+[wheelsets.wheelset_2]
+axle = false
+pads = false
+[wheelsets.wheelset_3]
+axle = { weight = false }
+"""
+
+
+def scene(keys: str = "") -> RunScene:
+    text = (SCENES / "vehicle_elastic.toml").read_text().replace("strips = 8 ", "strips = 4 ")
+    parsed = parse_scene(text + keys, SCENES / "scene.toml")
+    assert isinstance(parsed, RunScene)
+    return parsed
+
+
+def test_wheelsets_have_their_own_structures_and_results() -> None:
+    vehicle = vehicle_on(scene(OWN), FILE)
+    contact, structures = run_contact(scene(OWN), vehicle.wheelsets)
+    assert isinstance(contact, FlexibleContact)
+    first, second, third, fourth = structures or ()
+    assert isinstance(first, CoRunningStructure)
+    assert second is None
+    assert isinstance(third, QuasiStaticStructure)
+    assert isinstance(fourth, QuasiStaticStructure)
+    assert not third.unloaded.any()
+    assert fourth.unloaded.any()
+    dynamics = VehicleDynamics(vehicle, Track(), contact, 30.0, structures)
+    assert dynamics.size == dynamics.coordinates.size + 32 + 18 + 18
+    data = dataset(simulate(dynamics, (0.0, 2e-3), steps=StepSettings("rosenbrock", 1e-3, 1e-6)))
+    absent = {name: np.isnan(data[name].values).all(axis=(0, 2, 3)) for name in ("hub_motion", "sleeper_motion")}
+    assert absent["hub_motion"].tolist() == [False, True, False, False]
+    assert absent["sleeper_motion"].tolist() == [False, True, True, True]
+    z = data["body_z"].sel(body=list(vehicle.wheelsets)).values[0]
+    assert 1e3 * z == pytest.approx([-0.762, -0.247, -0.540, -0.540], abs=0.01)  # of vehicles with four such wheelsets
+
+
+def test_one_structure_serves_equal_wheelsets() -> None:
+    _, structures = run_contact(scene("[track.pads]\n"), ("a", "b"))
+    assert structures is not None
+    assert structures[0] is structures[1]
+
+
+@pytest.mark.parametrize(
+    ("keys", "reason"),
+    [
+        ("[wheelsets.wheelset_1]\nballast = true\n", r"wheelsets\.wheelset_1\.ballast = true: allowed only with pads"),
+        ("[track.pads]\n[track.sleepers]\n[wheelsets.a]\npads = false\n", r"wheelsets\.a\.sleepers.*pads"),
+        ("[wheelsets.wheelset_1]\npad = true\n", r"wheelsets\.wheelset_1\.pad.*did you mean"),
+    ],
+)
+def test_refuses_what_does_not_fit(keys: str, reason: str) -> None:
+    with pytest.raises(SceneError, match=reason):
+        scene(keys)
+
+
+def test_wheelsets_are_those_of_the_vehicle() -> None:
+    other = scene("[wheelsets.front]\naxle = true\n")
+    assert other.is_flexible
+    assert other.keys_of_vehicle_files == ["wheelsets"]
+    with pytest.raises(SceneError, match=r"wheelsets\.front: must be one of wheelset_1, .* the wheelsets of"):
+        vehicle_on(other, FILE)
+
+
+def test_a_wheelset_without_axle_is_another_run() -> None:
+    whole, one = scene("[wheelset.axle]\n"), scene("[wheelset.axle]\n[wheelsets.wheelset_1]\naxle = false\n")
+    assert inputs(one)["wheelsets"] == {"wheelset_1": {"axle": False}}
+    assert "wheelsets" not in inputs(whole)
