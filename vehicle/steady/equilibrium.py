@@ -49,6 +49,7 @@ def equilibrium(
     *,
     time: float = 0.0,
     guess: Array | None = None,
+    near: WheelContacts | None = None,
     tolerance: float = 1e-7,
     acceptable: float = 1e-4,
     max_iterations: int = 60,
@@ -59,6 +60,7 @@ def equilibrium(
         dynamics: equations of motion.
         time: s, at which speed, curvature, cant, gradient, torques and forces are taken.
         guess: (2 c + m + w k,) initial state; None: upright bodies at the height at which the contacts carry them.
+        near: results of contacts near the guess, from which theirs start.
         tolerance: of the residual.
         acceptable: residual that is accepted when the iteration stalls, limited by the accuracy of the contact.
         max_iterations: Newton steps.
@@ -79,8 +81,9 @@ def equilibrium(
         straight = replace(dynamics, track=Track(), speed=dynamics.speed_profile(time).speed)
         starts.append(lambda: problem.at_rest(transient_into_curve(dynamics, time, equilibrium(straight).state)))
     for number, start in enumerate(starts, start=1):
+        contacts = near if number == 1 and guess is not None else None
         try:
-            return _newton(problem, start(), tolerance, acceptable, max_iterations)
+            return _newton(problem, start(), contacts, tolerance, acceptable, max_iterations)
         except (StepFailure, StepTooSmall, EquilibriumError) as error:
             if number == len(starts):
                 raise EquilibriumError(f"no equilibrium: {error}") from error
@@ -95,17 +98,26 @@ def equilibria(dynamics: VehicleDynamics, speeds: Iterable[float]) -> list[Equil
     found = list[Equilibrium]()
     for speed in speeds:
         try:
-            found.append(equilibrium(replace(dynamics, speed=speed), guess=found[-1].state if found else None))
+            guess, near = (found[-1].state, found[-1].contacts) if found else (None, None)
+            found.append(equilibrium(replace(dynamics, speed=speed), guess=guess, near=near))
         except EquilibriumError as error:
             raise EquilibriumError(f"{error}, at {speed:g} m/s") from error
     return found
 
 
 def _newton(
-    problem: SteadyProblem, state: Array, tolerance: float, acceptable: float, max_iterations: int
+    problem: SteadyProblem,
+    state: Array,
+    near: WheelContacts | None,
+    tolerance: float,
+    acceptable: float,
+    max_iterations: int,
 ) -> Equilibrium:
-    """Newton's method from one start. Raises EquilibriumError, or StepFailure when no step reduces the residual."""
-    contacts = problem.contacts(state, None)
+    """Newton's method from one start, with contacts from results near it.
+
+    Raises EquilibriumError, or StepFailure when no step reduces the residual.
+    """
+    contacts = problem.contacts(state, near)
     residual = problem.residual(state, contacts)
     damping, best = 0.0, Equilibrium(problem.dynamics, problem.time, state, contacts, 0, _size(residual))
     for iteration in range(1, max_iterations + 1):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.models.lattice.model import LatticeContact
@@ -25,13 +26,16 @@ from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.wear.schema import DutyTable, WearTable
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wear.evolution import WearingProfile
 from wheelrail.vehicle.wear.rates import MotionRates, WornSurface
 
 if TYPE_CHECKING:
+    from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
     from wheelrail.contact.models.wheelset import WheelsetContact
-    from wheelrail.vehicle.multibody.equations import VehicleEvaluation
+    from wheelrail.contact.results.vehicle_contact import VehicleContact
+    from wheelrail.vehicle.multibody.equations import VehicleEvaluation, WheelContacts
     from wheelrail.vehicle.multibody.vehicle import Vehicle
 
 FAILED = 0.02  # largest share of wheels without a result
@@ -39,6 +43,21 @@ OPPOSITE: Mapping[Side, Side] = {"left": "right", "right": "left"}
 WITHOUT_CELLS = ("table",)
 
 Profiles = Mapping[str, WearingProfile]  # by name
+
+
+@dataclass(frozen=True)
+class CurveStart:
+    """State of a steady curve and warm starts of its contacts, by wheelset and side, from which the next solve starts.
+
+    Plain data, with which a resumed loop repeats all bits.
+    """
+
+    state: Array
+    warm_starts: Mapping[str, Mapping[Side, object]]
+
+    def moved(self, change: Array) -> CurveStart:
+        """The start with its state changed."""
+        return replace(self, state=self.state + change)
 
 
 @dataclass(frozen=True)
@@ -77,7 +96,7 @@ class Duty:
 
     table: WearTable
     path: Path
-    _bodies: dict[tuple[str, Side], Any] = field(default_factory=dict)  # compliance by contact, of the renewed profiles
+    _bodies: dict[tuple[str, Side], tuple[str, StripOperators]] = field(default_factory=dict)  # of the renewed profiles
 
     def __post_init__(self) -> None:
         first = self.cases[0]
@@ -148,23 +167,26 @@ class Duty:
             found[self.profile_of(side)] = WearingProfile.unworn(pairs[side][0], radius)
         return found
 
-    def contacts(self, profiles: Profiles, renewed: Profiles) -> dict[str, WheelsetContact]:
-        """Contacts of the cases on worn profiles, by `Case.contact_key`.
+    @contextmanager
+    def contacts(self, profiles: Profiles, renewed: Profiles) -> Iterator[dict[str, VehicleContact]]:
+        """Contacts of the cases on worn profiles, by `Case.contact_key`, solved in threads until the end of the block.
 
         Parameters:
             profiles: present ones.
             renewed: those that the compliance of the bodies is of.
         """
         present = {name: own.present for name, own in profiles.items()}
-        found = {}
-        for case in self.cases:
-            if (key := case.contact_key) not in found:
-                contact = wheelset_contact(case.scene, self.pairs(case, present))
-                found[key] = replace(
-                    self._on_bodies(case, contact, "left", profiles, renewed),
-                    right=contact.right and self._on_bodies(case, contact.right, "right", profiles, renewed),
-                )
-        return found
+        found: dict[str, VehicleContact] = {}
+        with ExitStack() as threads:
+            for case in self.cases:
+                if (key := case.contact_key) not in found:
+                    contact = wheelset_contact(case.scene, self.pairs(case, present))
+                    contact = replace(
+                        self._on_bodies(case, contact, "left", profiles, renewed),
+                        right=contact.right and self._on_bodies(case, contact.right, "right", profiles, renewed),
+                    )
+                    found[key] = threads.enter_context(in_threads(contact, case.scene.solver.workers))
+            yield found
 
     def pairs(self, case: Case, present: Mapping[str, Profile]) -> SideProfiles:
         """Worn wheel and inclined rail by side; present: profiles by name."""
@@ -185,25 +207,24 @@ class Duty:
         earlier = renewed[name].present
         if key not in self._bodies or self._bodies[key][0] != earlier.digest():
             bodies = wheelset_contact(case.scene, self.pairs(case, {n: own.present for n, own in renewed.items()}))
-            operators = bodies.of(side).model.operators  # type: ignore[attr-defined]
-            self._bodies[key] = earlier.digest(), operators.upper, operators.lower
-        _, upper, lower = self._bodies[key]
-        return replace(contact, model=replace(model, operators=replace(model.operators, upper=upper, lower=lower)))
+            self._bodies[key] = earlier.digest(), bodies.of(side).model.operators  # type: ignore[attr-defined]
+        operators = self._bodies[key][1].under(model.operators.surfaces)
+        return replace(contact, model=replace(model, operators=operators))
 
     def rates(
         self,
         case: Case,
-        contact: WheelsetContact,
+        contact: VehicleContact,
         profiles: Profiles,
-        guesses: Mapping[str, Array],
-    ) -> tuple[MotionRates, dict[str, Array]]:
-        """Rates of a case, and states from which its next solve starts.
+        start: Callable[[str], CurveStart | None],
+    ) -> tuple[MotionRates, dict[str, CurveStart]]:
+        """Rates of a case, and starts of its next solve by hand.
 
         Parameters:
             case: of this duty.
             contact: on the present profiles.
             profiles: present ones.
-            guesses: states of an earlier solve, by hand; none without.
+            start: of the solve of a hand; None without.
 
         Raises RunFailed that names the case.
         """
@@ -212,23 +233,25 @@ class Duty:
             name = self.profile_of(side, case.turned)
             own = profiles[name]
             surfaces[side] = WornSurface(name, own.grid, own.place, laws(case.scene, side))
-        rates, states = MotionRates(surfaces, self.law), dict[str, Array]()
+        rates, starts = MotionRates(surfaces, self.law), dict[str, CurveStart]()
         try:
             if case.table.steady is None:
                 self._run(case, contact, rates)
             else:
                 for hand in (1, -1) if case.table.both_hands and self.table.profiles == "sides" else (1,):
-                    states[str(hand)] = self._curve(case, contact, hand, rates, guesses.get(str(hand)))
+                    starts[str(hand)] = self._curve(case, contact, hand, rates, start(str(hand)))
         except RunFailed as error:
             raise RunFailed(f"duty {case.name!r}: {error}") from None
         if rates.failed_share > FAILED:
             raise RunFailed(
                 f"duty {case.name!r}: {100 * rates.failed_share:.1f} % of the wheels have no contact result"
             )
-        return rates, states
+        return rates, starts
 
-    def _curve(self, case: Case, contact: WheelsetContact, hand: int, rates: MotionRates, guess: Array | None) -> Array:
-        """Add the wheels of a steady curve; its state."""
+    def _curve(
+        self, case: Case, contact: VehicleContact, hand: int, rates: MotionRates, start: CurveStart | None
+    ) -> CurveStart:
+        """Add the wheels of a steady curve; the start of its next solve."""
         from wheelrail.vehicle.multibody.equations import VehicleDynamics
         from wheelrail.vehicle.steady.equilibrium import equilibrium
 
@@ -237,14 +260,19 @@ class Duty:
         curve = ConstantCurve(steady.speed, hand * steady.curvature, steady.cant, case.scene.track.track().base)
         loads = applied_loads(case.scene, case.vehicle)
         dynamics = VehicleDynamics(case.vehicle, curve.track, contact, steady.speed, None, loads)
+        near = None if start is None else _guesses(contact, start)
         with failures_as_run_failed():
-            found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess)
+            guess = None if start is None else start.state
+            found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess, near=near)
         rates.add(steady.speed, found.contacts)
-        return found.state
+        starts = {
+            name: {side: contact.warm_start(side, sides[side]) for side in sides}
+            for name, sides in found.contacts.items()
+        }
+        return CurveStart(found.state, starts)
 
-    def _run(self, case: Case, contact: WheelsetContact, rates: MotionRates) -> None:
+    def _run(self, case: Case, contact: VehicleContact, rates: MotionRates) -> None:
         """Add the wheels of the rows of a run."""
-        from wheelrail.vehicle.simulation.parallel_contact import in_threads
         from wheelrail.vehicle.simulation.time_run import Recording
         from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
@@ -258,9 +286,16 @@ class Duty:
                 rates.add(travel.speed, at.contacts)
 
         recording = Recording(self.table.interval / scene.vehicle.first_speed, observer=observe)
-        with in_threads(contact, scene.solver.workers) as parallel:
-            history = simulate_on_track(scene, case.vehicle, parallel, end, recording, lambda *_: None)
+        history = simulate_on_track(scene, case.vehicle, contact, end, recording, lambda *_: None)
         if history.status != "completed":
             raise RunFailed(history.status)
         if not rates.wheels:
             raise RunFailed(f"start = {case.table.start:g} m: no row of the run lies beyond it")
+
+
+def _guesses(contact: VehicleContact, start: CurveStart) -> WheelContacts:
+    """Initial guesses of the contacts of a start."""
+    return {
+        name: {side: contact.guess(side, warm_start) for side, warm_start in sides.items()}
+        for name, sides in start.warm_starts.items()
+    }

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
@@ -20,8 +20,9 @@ from wheelrail.scenes.datasets.netcdf import read, write
 from wheelrail.scenes.datasets.wear import AMPLITUDE, joined, rate_values, state_values, step_dataset
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.toml import read_text
-from wheelrail.scenes.wear.cases import Duty
+from wheelrail.scenes.wear.cases import CurveStart, Duty
 from wheelrail.support.arrays import Array
+from wheelrail.support.plain_data import decode, encode
 from wheelrail.vehicle.wear.evolution import WearingProfile, wear_step
 
 if TYPE_CHECKING:
@@ -29,9 +30,10 @@ if TYPE_CHECKING:
 
 STEPS, RESULTS = "steps", "wear.nc"  # folder of the steps in that of the results, and the whole
 ROUNDING = 1e-9  # of the whole distance: a rest that is none
-GUESS = "guess"  # variables of the states from which equilibria of the next step start
+STARTS = "starts"  # of the curves of the next step, in the file of a step: bytes of plain data
+PACKAGES = ("wheelrail.bindings", "wheelrail.contact", "wheelrail.scenes.wear")  # of its classes
 
-Guesses = Mapping[str, Mapping[str, Array]]  # states by case and hand
+Starts = Mapping[str, Mapping[str, CurveStart]]  # by case and hand
 
 
 @dataclass(frozen=True)
@@ -43,7 +45,7 @@ class WearState:
         renewed: those that the compliance of the bodies is of.
         distance: m.
         turned: number of reprofilings.
-        guesses: of equilibria.
+        solved: distances, m, of the last two steps with rates, at most, and the starts that they left.
         before: area rates (profiles, n) m of the step before; None at the start and after a reprofiling.
     """
 
@@ -51,8 +53,16 @@ class WearState:
     renewed: dict[str, WearingProfile]
     distance: float = 0.0
     turned: int = 0
-    guesses: Guesses = field(default_factory=dict)
+    solved: tuple[tuple[float, Starts], ...] = ()
     before: Array | None = None
+
+    def start(self, case: str, hand: str) -> CurveStart | None:
+        """Start of a curve: wheels sink as they wear, straight in the distance."""
+        known = [(distance, starts[case][hand]) for distance, starts in self.solved if hand in starts.get(case, {})]
+        if len(known) < 2:
+            return known[0][1] if known else None
+        (d0, first), (d1, last) = known
+        return last.moved((self.distance - d1) / (d1 - d0) * (last.state - first.state))
 
 
 class WearLoop:
@@ -137,12 +147,8 @@ class WearLoop:
 
     def _stored(self, state: WearState, step: Dataset) -> WearState:
         """The state before a stored step."""
-        guesses: dict[str, dict[str, Array]] = {}
-        for name in map(str, step.data_vars):
-            if name.startswith(GUESS):
-                _, case, hand = name.split()
-                guesses.setdefault(self.duty.cases[int(case)].name, {})[hand] = step[name].values
-        return replace(state, guesses=guesses)
+        starts = decode(step[STARTS].values.tobytes(), PACKAGES) if STARTS in step else {}
+        return replace(state, solved=(*state.solved[-1:], (state.distance, starts)))
 
     def _run(self, state: WearState) -> None:
         """Steps from a state up to the end of the distance."""
@@ -160,12 +166,13 @@ class WearLoop:
         }
         while True:
             start = perf_counter()
-            values, guesses = self._measured(state), dict[str, Any]()
+            values, starts = self._measured(state), dict[str, dict[str, CurveStart]]()
             if state.distance < until:
-                rates, guesses = self._rated(state)
+                rates, starts = self._rated(state)
                 values |= rates
             values["seconds"] = perf_counter() - start
-            step = step_dataset(state.profiles, shares, values, attributes).assign(guesses)
+            step = step_dataset(state.profiles, shares, values, attributes)
+            step = step.assign({STARTS: ("byte", np.frombuffer(encode(starts), np.uint8))})
             if self.folder is not None:
                 write(step, self.folder / STEPS / f"{len(self.steps):05d}.nc")
             self.steps.append(step)
@@ -192,25 +199,21 @@ class WearLoop:
             for own in state.profiles.values()
         ]
 
-    def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Values of the rates of all cases, and variables of the states of their equilibria."""
-        from xarray import Variable
-
-        contacts = self.duty.contacts(state.profiles, state.renewed)
-        cases, guesses = [], {}
-        for number, case in enumerate(self.duty.cases):
-            self.report(state.distance / self.duty.table.until, f"step {len(self.steps)}: {case.name}")
-            before = state.guesses.get(case.name, {})
-            rates, states = self.duty.rates(case, contacts[case.contact_key], state.profiles, before)
-            cases.append(rates)
-            for hand, own in states.items():
-                guesses[f"{GUESS} {number} {hand}"] = Variable((f"unknown {number}",), own)
+    def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, dict[str, CurveStart]]]:
+        """Values of the rates of all cases, and starts of the next solves of their curves."""
+        cases, starts = [], {}
+        with self.duty.contacts(state.profiles, state.renewed) as contacts:
+            for case in self.duty.cases:
+                self.report(state.distance / self.duty.table.until, f"step {len(self.steps)}: {case.name}")
+                contact, start = contacts[case.contact_key], partial(state.start, case.name)
+                rates, starts[case.name] = self.duty.rates(case, contact, state.profiles, start)
+                cases.append(rates)
         _, values = rate_values(state.profiles, cases, [case.table.share for case in self.duty.cases])
         if state.before is not None:
             change = 0.5 * np.linalg.norm(values["area_rate"] - state.before, axis=1)
             size = np.linalg.norm(state.before, axis=1)
             values["step_error"] = np.divide(change, size, out=np.zeros(len(size)), where=size > 0.0)
-        return values, guesses
+        return values, starts
 
     def _after(self, state: WearState, step: Dataset) -> WearState:
         """The state after a step with given rates."""
@@ -231,7 +234,7 @@ class WearLoop:
         after = replace(state, profiles=profiles, distance=reached, before=step["area_rate"].values)
         if table.reprofile is not None and self._worn_out(after):
             unworn = self.duty.unworn()
-            return replace(after, profiles=unworn, renewed=unworn, turned=state.turned + 1, before=None)
+            return replace(after, profiles=unworn, renewed=unworn, turned=state.turned + 1, solved=(), before=None)
         depth = max(float(np.max(own.depth - state.renewed[name].depth)) for name, own in profiles.items())
         return replace(after, renewed=profiles) if depth > table.renew else after
 

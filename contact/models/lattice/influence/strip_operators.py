@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -44,6 +44,12 @@ class StripOperators:
         return None if upper is None else upper.finite_body(False), None if lower is None else lower.finite_body(
             self.moves
         )
+
+    def under(self, surfaces: StripSurfaces) -> StripOperators:
+        """The same bodies under other surfaces of the same kind, with what is known of them."""
+        other = replace(self, surfaces=surfaces)
+        other.__dict__.update(corrections=self.corrections, bodies=self.bodies)
+        return other
 
     @property
     def moves(self) -> bool:
