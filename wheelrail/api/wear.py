@@ -118,6 +118,8 @@ def wear(
     *,
     resume: bool = False,
     progress: bool = False,
+    processes: int = 1,
+    scheduler: str | None = None,
 ) -> Wear:
     """Wear the wheel profiles of a vehicle over the distance of a duty.
 
@@ -126,6 +128,8 @@ def wear(
         out: folder for every step, results and figures; nothing is written by default.
         resume: whether to continue from the steps in the folder.
         progress: whether to show a progress bar on standard error.
+        processes: that solve the cases of the duty; one: this process, in threads.
+        scheduler: address of a Dask cluster, whose workers see the same files.
 
     A loop that ends early sets the status and raises nothing, unless no step was completed (RunFailed). Raises
     SceneError naming file, key, value and what is allowed, before anything is computed; OSError.
@@ -138,4 +142,6 @@ def wear(
 
     table, path = (check_wear(wear), Path("wear")) if isinstance(wear, Mapping) else (load_wear(wear), Path(wear))
     console = progress_console() if progress else Console(quiet=True)
-    return Wear(run_wear(table, path, None if out is None else Path(out), console, resume=resume).data)
+    folder = None if out is None else Path(out)
+    outcome = run_wear(table, path, folder, console, resume=resume, processes=processes, scheduler=scheduler)
+    return Wear(outcome.data)

@@ -13,6 +13,11 @@ from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
 from wheelrail.cli.output import print_results
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
+Scheduler = Annotated[
+    str | None,
+    typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:8786; default: this machine."),
+]
+
 
 @app.command()
 def study(
@@ -21,10 +26,7 @@ def study(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Folder for the results; default: results/<study>."),
     ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option("--scheduler", metavar="ADDRESS", help="Dask scheduler, tcp://host:8786; default: this machine."),
-    ] = None,
+    scheduler: Scheduler = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Recompute completed cases.")] = False,
 ) -> None:
     """Solve all cases of a study in parallel; a restart computes only missing cases."""
@@ -52,6 +54,10 @@ def wear(
         typer.Option("--out", metavar="DIR", help="Folder for the results; default: results/<wear>."),
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue from the last whole step.")] = False,
+    processes: Annotated[
+        int, typer.Option("--processes", min=1, help="Processes for the cases; 1: this one, in threads.")
+    ] = 1,
+    scheduler: Scheduler = None,
 ) -> None:
     """Wear the wheel profiles of a vehicle over a distance; after Ctrl-C, --resume continues from the last step."""
     from wheelrail.scenes.wear.run import run_wear
@@ -61,7 +67,9 @@ def wear(
     with error_lines(""):
         table = load_wear(wear)
     with error_lines("", f"{folder}: "), stdout_for_results():
-        outcome = run_wear(table, wear, folder, progress_console(), resume=resume)
+        outcome = run_wear(
+            table, wear, folder, progress_console(), resume=resume, processes=processes, scheduler=scheduler
+        )
     print_results(outcome.results)
     if outcome.status == "interrupted":
         raise typer.Exit(INTERRUPTED)

@@ -111,8 +111,24 @@ def content_digest(name: str, arrays: Arrays) -> bytes:
     return checksum.hexdigest().encode()
 
 
+@contextmanager
+def unstored() -> Iterator[None]:
+    """No array that this process makes in the block is written, such as those of bodies that soon are others."""
+    global _unstored
+    _unstored += 1
+    try:
+        yield
+    finally:
+        _unstored -= 1
+
+
+_unstored = 0  # blocks
+
+
 def store(name: str, arrays: Arrays) -> None:
-    """Write arrays atomically; a cache that cannot be written is a warning."""
+    """Write arrays atomically, outside of `unstored`; a cache that cannot be written is a warning."""
+    if _unstored:
+        return
     path = cache_folder() / f"{name}.npz"
     try:
         with (

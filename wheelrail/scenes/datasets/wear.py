@@ -14,8 +14,8 @@ from wheelrail.scenes.quantity import Quantity, Schema, filled
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from wheelrail.scenes.wear.cases import CaseRates
     from wheelrail.vehicle.wear.evolution import WearingProfile
-    from wheelrail.vehicle.wear.rates import MotionRates
 
 CELLS, BY_CASE, OF_PROFILE, OF_CASE = ("profile", "s"), ("case", "profile", "s"), ("profile",), ("case",)
 AMPLITUDE = 3e-3  # m, of the equivalent conicity
@@ -82,7 +82,7 @@ def state_values(
 
 
 def rate_values(
-    profiles: Mapping[str, WearingProfile], cases: Sequence[MotionRates], shares: Sequence[float]
+    profiles: Mapping[str, WearingProfile], cases: Sequence[CaseRates], shares: Sequence[float]
 ) -> tuple[dict[str, ProfileRates], dict[str, Any]]:
     """Rates of all cases by profile, and their values.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,6 +14,7 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.wear.law_tables import law_from
 from wheelrail.contact.wear.laws import WearLaw
+from wheelrail.contact.wear.strips import ProfileRates
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.builders.vehicle import applied_loads
@@ -26,6 +27,7 @@ from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.wear.schema import DutyTable, WearTable
 from wheelrail.support.arrays import Array
+from wheelrail.support.cache import unstored
 from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wear.evolution import WearingProfile
@@ -58,6 +60,17 @@ class CurveStart:
     def moved(self, change: Array) -> CurveStart:
         """The start with its state changed."""
         return replace(self, state=self.state + change)
+
+
+@dataclass(frozen=True)
+class CaseRates:
+    """Mean rates of the wheels of a case by profile, share of wheels without a result, starts of the next solves by
+    hand.
+    """
+
+    mean: Mapping[str, ProfileRates]
+    failed_share: float
+    starts: Mapping[str, CurveStart]
 
 
 @dataclass(frozen=True)
@@ -168,24 +181,31 @@ class Duty:
         return found
 
     @contextmanager
-    def contacts(self, profiles: Profiles, renewed: Profiles) -> Iterator[dict[str, VehicleContact]]:
-        """Contacts of the cases on worn profiles, by `Case.contact_key`, solved in threads until the end of the block.
+    def contacts(
+        self, profiles: Profiles, renewed: Profiles, cases: Sequence[Case], threads: int | None = None
+    ) -> Iterator[dict[str, VehicleContact]]:
+        """Contacts of cases on worn profiles, by `Case.contact_key`, solved in threads until the end of the block.
 
         Parameters:
             profiles: present ones.
-            renewed: those that the compliance of the bodies is of.
+            renewed: those that the compliance of the bodies is of; worn ones are not stored on the disk.
+            cases: of this duty.
+            threads: number; by default that of the scene.
         """
         present = {name: own.present for name, own in profiles.items()}
         found: dict[str, VehicleContact] = {}
-        with ExitStack() as threads:
-            for case in self.cases:
+        worn = any(own.removed.any() for own in renewed.values())
+        with ExitStack() as block:
+            if worn:
+                block.enter_context(unstored())
+            for case in cases:
                 if (key := case.contact_key) not in found:
                     contact = wheelset_contact(case.scene, self.pairs(case, present))
                     contact = replace(
                         self._on_bodies(case, contact, "left", profiles, renewed),
                         right=contact.right and self._on_bodies(case, contact.right, "right", profiles, renewed),
                     )
-                    found[key] = threads.enter_context(in_threads(contact, case.scene.solver.workers))
+                    found[key] = block.enter_context(in_threads(contact, threads or case.scene.solver.workers))
             yield found
 
     def pairs(self, case: Case, present: Mapping[str, Profile]) -> SideProfiles:
@@ -216,15 +236,15 @@ class Duty:
         case: Case,
         contact: VehicleContact,
         profiles: Profiles,
-        start: Callable[[str], CurveStart | None],
-    ) -> tuple[MotionRates, dict[str, CurveStart]]:
-        """Rates of a case, and starts of its next solve by hand.
+        starts: Mapping[str, CurveStart],
+    ) -> CaseRates:
+        """Rates of a case.
 
         Parameters:
             case: of this duty.
             contact: on the present profiles.
             profiles: present ones.
-            start: of the solve of a hand; None without.
+            starts: of its curves, by hand.
 
         Raises RunFailed that names the case.
         """
@@ -233,20 +253,20 @@ class Duty:
             name = self.profile_of(side, case.turned)
             own = profiles[name]
             surfaces[side] = WornSurface(name, own.grid, own.place, laws(case.scene, side))
-        rates, starts = MotionRates(surfaces, self.law), dict[str, CurveStart]()
+        rates, after = MotionRates(surfaces, self.law), dict[str, CurveStart]()
         try:
             if case.table.steady is None:
                 self._run(case, contact, rates)
             else:
                 for hand in (1, -1) if case.table.both_hands and self.table.profiles == "sides" else (1,):
-                    starts[str(hand)] = self._curve(case, contact, hand, rates, start(str(hand)))
+                    after[str(hand)] = self._curve(case, contact, hand, rates, starts.get(str(hand)))
         except RunFailed as error:
             raise RunFailed(f"duty {case.name!r}: {error}") from None
         if rates.failed_share > FAILED:
             raise RunFailed(
                 f"duty {case.name!r}: {100 * rates.failed_share:.1f} % of the wheels have no contact result"
             )
-        return rates, starts
+        return CaseRates(rates.mean, rates.failed_share, after)
 
     def _curve(
         self, case: Case, contact: VehicleContact, hand: int, rates: MotionRates, start: CurveStart | None

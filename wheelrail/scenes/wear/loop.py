@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
@@ -20,7 +21,8 @@ from wheelrail.scenes.datasets.netcdf import read, write
 from wheelrail.scenes.datasets.wear import AMPLITUDE, joined, rate_values, state_values, step_dataset
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.toml import read_text
-from wheelrail.scenes.wear.cases import CurveStart, Duty
+from wheelrail.scenes.wear.cases import CaseRates, CurveStart, Duty
+from wheelrail.scenes.wear.jobs import CaseJob, rates_of
 from wheelrail.support.arrays import Array
 from wheelrail.support.plain_data import decode, encode
 from wheelrail.vehicle.wear.evolution import WearingProfile, wear_step
@@ -56,13 +58,14 @@ class WearState:
     solved: tuple[tuple[float, Starts], ...] = ()
     before: Array | None = None
 
-    def start(self, case: str, hand: str) -> CurveStart | None:
-        """Start of a curve: wheels sink as they wear, straight in the distance."""
-        known = [(distance, starts[case][hand]) for distance, starts in self.solved if hand in starts.get(case, {})]
+    def starts(self, case: str) -> dict[str, CurveStart]:
+        """Starts of the curves of a case by hand: wheels sink as they wear, straight in the distance."""
+        known = [(distance, starts[case]) for distance, starts in self.solved if case in starts]
         if len(known) < 2:
-            return known[0][1] if known else None
+            return dict(known[0][1]) if known else {}
         (d0, first), (d1, last) = known
-        return last.moved((self.distance - d1) / (d1 - d0) * (last.state - first.state))
+        part = (self.distance - d1) / (d1 - d0)
+        return {hand: own.moved(part * (own.state - first[hand].state)) for hand, own in last.items()}
 
 
 class WearLoop:
@@ -72,12 +75,17 @@ class WearLoop:
         duty: cases.
         folder: for each step, from which an interrupted loop resumes; None: nothing is written.
         report: called with the part of the distance that is done and words, at each case and step.
+        executor: of the cases; None: this process.
     """
 
     def __init__(
-        self, duty: Duty, folder: Path | None = None, report: Callable[[float, str], None] = lambda *_: None
+        self,
+        duty: Duty,
+        folder: Path | None = None,
+        report: Callable[[float, str], None] = lambda *_: None,
+        executor: Executor | None = None,
     ) -> None:
-        self.duty, self.folder, self.report = duty, folder, report
+        self.duty, self.folder, self.report, self.executor = duty, folder, report, executor
         self.steps: list[Dataset] = []
         self.status = "running"
 
@@ -166,7 +174,7 @@ class WearLoop:
         }
         while True:
             start = perf_counter()
-            values, starts = self._measured(state), dict[str, dict[str, CurveStart]]()
+            values, starts = self._measured(state), dict[str, Mapping[str, CurveStart]]()
             if state.distance < until:
                 rates, starts = self._rated(state)
                 values |= rates
@@ -199,21 +207,34 @@ class WearLoop:
             for own in state.profiles.values()
         ]
 
-    def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, dict[str, CurveStart]]]:
+    def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, Mapping[str, CurveStart]]]:
         """Values of the rates of all cases, and starts of the next solves of their curves."""
-        cases, starts = [], {}
-        with self.duty.contacts(state.profiles, state.renewed) as contacts:
-            for case in self.duty.cases:
-                self.report(state.distance / self.duty.table.until, f"step {len(self.steps)}: {case.name}")
-                contact, start = contacts[case.contact_key], partial(state.start, case.name)
-                rates, starts[case.name] = self.duty.rates(case, contact, state.profiles, start)
-                cases.append(rates)
+        cases = list(self._case_rates(state))
+        starts = {case.name: rates.starts for case, rates in zip(self.duty.cases, cases, strict=True)}
         _, values = rate_values(state.profiles, cases, [case.table.share for case in self.duty.cases])
         if state.before is not None:
             change = 0.5 * np.linalg.norm(values["area_rate"] - state.before, axis=1)
             size = np.linalg.norm(state.before, axis=1)
             values["step_error"] = np.divide(change, size, out=np.zeros(len(size)), where=size > 0.0)
         return values, starts
+
+    def _case_rates(self, state: WearState) -> Iterator[CaseRates]:
+        """Rates of the cases at a state, in their order."""
+        words, done, cases = f"step {len(self.steps)}", state.distance / self.duty.table.until, self.duty.cases
+        profiles, renewed = state.profiles, state.renewed
+        if self.executor is not None:
+            jobs = [
+                CaseJob.of(self.duty, number, profiles, renewed, state.starts(case.name))
+                for number, case in enumerate(cases)
+            ]
+            for number, rates in enumerate(rates_of(self.executor, jobs), start=1):
+                self.report(done, f"{words}: {number} of {len(cases)} cases")
+                yield rates
+            return
+        with self.duty.contacts(profiles, renewed, cases) as contacts:
+            for case in cases:
+                self.report(done, f"{words}: {case.name}")
+                yield self.duty.rates(case, contacts[case.contact_key], profiles, state.starts(case.name))
 
     def _after(self, state: WearState, step: Dataset) -> WearState:
         """The state after a step with given rates."""

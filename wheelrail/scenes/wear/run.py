@@ -12,6 +12,7 @@ from wheelrail.scenes.datasets.result_table import Results
 from wheelrail.scenes.plots.style import save, styled
 from wheelrail.scenes.plots.wear import PICTURES
 from wheelrail.scenes.wear.cases import Duty
+from wheelrail.scenes.wear.jobs import workers
 from wheelrail.scenes.wear.loop import RESULTS, WearLoop
 from wheelrail.scenes.wear.schema import WearTable
 from wheelrail.scenes.wear.tables import remarks, tables
@@ -47,7 +48,14 @@ class WearOutcome:
 
 
 def run_wear(
-    table: WearTable, path: Path, folder: Path | None, console: Console, *, resume: bool = False
+    table: WearTable,
+    path: Path,
+    folder: Path | None,
+    console: Console,
+    *,
+    resume: bool = False,
+    processes: int = 1,
+    scheduler: str | None = None,
 ) -> WearOutcome:
     """Wear the profiles of a file.
 
@@ -57,14 +65,16 @@ def run_wear(
         folder: for the steps, results and figures; None: nothing is written.
         console: for progress.
         resume: whether to continue from the steps in the folder.
+        processes: that solve the cases; with one, this process does.
+        scheduler: address of a Dask cluster, whose workers see the same files.
 
     Raises SceneError before anything is computed, RunFailed without a first step, OSError.
     """
     duty = Duty(table, path)
     if folder is not None and not resume and (folder / RESULTS).exists():
         console.print(f"{folder} contains the results of earlier wear, which this one overwrites", highlight=False)
-    with progress(console, table.until) as report:
-        data = WearLoop(duty, folder, report).run(resume=resume)
+    with workers(processes, scheduler) as executor, progress(console, table.until) as report:
+        data = WearLoop(duty, folder, report, executor).run(resume=resume)
     return WearOutcome(data, tuple(_written(data, folder)) if folder else ())
 
 

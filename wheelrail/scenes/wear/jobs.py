@@ -1,0 +1,116 @@
+"""Cases of a step as jobs of worker processes, of this machine or of a Dask cluster that sees the same files."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError, Executor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+
+from wheelrail.scenes.schema.errors import RunFailed, SceneError
+from wheelrail.scenes.wear.cases import CaseRates, CurveStart, Duty
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.wear.evolution import WearingProfile
+
+Removed = Mapping[str, Array]  # sections (n,) m2 removed from the cells, by profile
+
+
+@dataclass(frozen=True)
+class CaseJob:
+    """A case at worn profiles.
+
+    Parameters:
+        table: of the wear file, pickled.
+        path: of the wear file.
+        number: of the case.
+        present: profiles.
+        renewed: those that the compliance of the bodies is of.
+        starts: of its curves, by hand.
+    """
+
+    table: bytes
+    path: Path
+    number: int
+    present: Removed
+    renewed: Removed
+    starts: Mapping[str, CurveStart]
+
+    @classmethod
+    def of(
+        cls,
+        duty: Duty,
+        number: int,
+        profiles: Mapping[str, WearingProfile],
+        renewed: Mapping[str, WearingProfile],
+        starts: Mapping[str, CurveStart],
+    ) -> CaseJob:
+        """Job of a case of a duty at present profiles."""
+        present, earlier = ({name: own.removed for name, own in each.items()} for each in (profiles, renewed))
+        return cls(pickle.dumps(duty.table), duty.path, number, present, earlier, starts)
+
+
+def rated(job: CaseJob) -> CaseRates:
+    """Rates of a job, in a worker. Raises RunFailed that names the case."""
+    duty = _duty(job.table, job.path)
+    unworn = duty.unworn()
+    profiles = {name: replace(unworn[name], removed=removed) for name, removed in job.present.items()}
+    same = {name for name, removed in job.renewed.items() if (removed == job.present[name]).all()}
+    renewed = {
+        name: profiles[name] if name in same else replace(unworn[name], removed=removed)
+        for name, removed in job.renewed.items()
+    }
+    case = duty.cases[job.number]
+    with duty.contacts(profiles, renewed, [case], threads=1) as contacts:
+        return duty.rates(case, contacts[case.contact_key], profiles, job.starts)
+
+
+@lru_cache(maxsize=1)
+def _duty(table: bytes, path: Path) -> Duty:
+    """The duty of a worker, with the bodies of its last jobs."""
+    return Duty(pickle.loads(table), path)
+
+
+def rates_of(executor: Executor, jobs: Sequence[CaseJob]) -> Iterator[CaseRates]:
+    """Rates of jobs in their order, of any executor's workers. Raises RunFailed, also for a worker that is lost."""
+    from wheelrail.scenes.studies.workers import LOST, SchedulerGone
+
+    running = [executor.submit(rated, job) for job in jobs]
+    try:
+        for future in running:
+            yield future.result()
+    except CancelledError:
+        raise SchedulerGone from None
+    except BrokenProcessPool:
+        raise RunFailed(LOST) from None
+    finally:
+        for future in running:
+            future.cancel()
+
+
+@contextmanager
+def workers(count: int, scheduler: str | None) -> Iterator[Executor | None]:
+    """Executor of a number of processes of this machine or of a Dask cluster; None for this process alone.
+
+    Parameters:
+        count: of processes of this machine.
+        scheduler: address of the cluster.
+
+    Raises SceneError and RunFailed for a cluster that cannot be reached.
+    """
+    from wheelrail.scenes.studies.workers import check_address, cluster, processes
+
+    if count < 1:
+        raise SceneError(f"workers = {count}: must be at least 1")
+    if scheduler is not None:
+        check_address(scheduler)
+        with cluster(scheduler) as executor:
+            yield executor
+    elif count > 1:
+        with processes(count) as executor:
+            yield executor
+    else:
+        yield None
