@@ -33,6 +33,7 @@ class WheelsetState:
         frame_rate: (3,) rad/s, angular velocity of the track frame in its own axes; (0, 0, V K) on a flat left-hand
             curve.
         rail_shift: m, displacement (y, z) of the left and the right rail by irregularities; None: none.
+        wheelset: its name in the vehicle, by which contacts may differ.
 
     Irregularities displace the profile that the wheel meets, not the material, which is at rest in inertial space. As
     the vehicle moves, the displacement changes by V d, d its slope along the track. The profile approaches the wheel at
@@ -58,6 +59,7 @@ class WheelsetState:
     speed: float = 0.0
     frame_rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rail_shift: RailShift | None = None
+    wheelset: str = ""
 
     def mirrored(self) -> WheelsetState:
         """The state in the mirror y = 0."""

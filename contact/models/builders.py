@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from wheelrail.contact.analytical.hertz import modulus
@@ -94,6 +95,11 @@ def contact_model(pair: BodyPair, laws: ContactLaws, how: Discretisation) -> Any
     """
     how = how.for_laws(exact=laws.exact_normal)
     return BUILDERS[how.model, how.bodies, how.points](pair, laws, how)
+
+
+def with_laws(model: Any, laws: ContactLaws) -> Any:
+    """A model of a builder with other laws on the same bodies, of the same compliance."""
+    return model.with_laws(laws) if isinstance(model, LatticeContact) else replace(model, laws=laws)
 
 
 def hertz_pair(

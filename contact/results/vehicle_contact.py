@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -136,3 +138,68 @@ class WrappedContact(VehicleContact):
 
     def guess(self, side: Side, warm_start: object) -> ContactResult:
         return self.contact.guess(side, warm_start)
+
+
+@dataclass(frozen=True)
+class ContactsByWheelset(VehicleContact):
+    """Contact models of the wheelsets of a vehicle; each state has that of its own wheelset.
+
+    Parameters:
+        default: of wheelsets without one of their own.
+        own: by name of the wheelset; those with the same model are solved together.
+    """
+
+    default: VehicleContact
+    own: Mapping[str, VehicleContact]
+
+    def of(self, wheelset: str) -> VehicleContact:
+        """Contact of a wheelset."""
+        return self.own.get(wheelset, self.default)
+
+    def changed(self, change: Callable[[VehicleContact], VehicleContact]) -> ContactsByWheelset:
+        """The contacts changed by a function, which is called once for each model."""
+        new = {id(contact): change(contact) for contact in self._models}
+        own = {name: new[id(contact)] for name, contact in self.own.items()}
+        return ContactsByWheelset(new[id(self.default)], own)
+
+    @cached_property
+    def _models(self) -> list[VehicleContact]:
+        """Each model once."""
+        return list({id(contact): contact for contact in (self.default, *self.own.values())}.values())
+
+    @property
+    def together(self) -> bool:
+        return all(contact.together for contact in self._models)
+
+    @property
+    def concurrent(self) -> bool:
+        return all(contact.concurrent for contact in self._models)
+
+    def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        return self.of(state.wheelset)(state, side, guess)
+
+    def tangent(self, state: WheelsetState, side: Side, result: ContactResult) -> Array:
+        return self.of(state.wheelset).tangent(state, side, result)
+
+    def solve_side(
+        self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
+    ) -> list[ContactResult]:
+        found: dict[int, ContactResult] = {}
+        for contact, group in self._groups(states):
+            own = contact.solve_side([states[i] for i in group], side, [guesses[i] for i in group])
+            found |= zip(group, own, strict=True)
+        return [found[i] for i in range(len(states))]
+
+    def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
+        found: dict[int, Array] = {}
+        for contact, group in self._groups(states):
+            own = contact.side_tangents([states[i] for i in group], side, [results[i] for i in group])
+            found |= zip(group, own, strict=True)
+        return np.array([found[i] for i in range(len(states))])
+
+    def _groups(self, states: Sequence[WheelsetState]) -> Iterator[tuple[VehicleContact, list[int]]]:
+        """Models with the indices of their states."""
+        owners = [self.of(state.wheelset) for state in states]
+        for contact in self._models:
+            if group := [i for i, owner in enumerate(owners) if owner is contact]:
+                yield contact, group

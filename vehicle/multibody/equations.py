@@ -14,7 +14,7 @@ from wheelrail.contact.element.contact_element import ContactElement
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import RailShift, WheelsetState
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.contact.results.vehicle_contact import ContactsByWheelset, VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.loads.applied_loads import AppliedLoads
@@ -23,7 +23,7 @@ from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquati
 from wheelrail.vehicle.multibody.coordinates import PITCH, RATE_SCALE, ROLL, YAW, Coordinates, X, Y, Z
 from wheelrail.vehicle.multibody.structures import Structures
 from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
-from wheelrail.vehicle.multibody.vehicle import Vehicle
+from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
 from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.speed_profile import SpeedProfile, TrackPosition
 from wheelrail.vehicle.track.track import Track
@@ -60,7 +60,7 @@ class VehicleDynamics:
     Parameters:
         vehicle: bodies and suspension.
         track: alignment and irregularities.
-        contact: model of the wheel-rail contacts, the same for all wheelsets.
+        contact: model of the wheel-rail contacts, the same for all wheelsets or `ContactsByWheelset`.
         speed: of the reference motion along the track, constant, m/s, or a `SpeedProfile`.
         structure: axle and rails that move with the contact's loads, with k motions in all; the contact then is that of
             a `FlexibleState`. One for all wheelsets or one for each, None where both are rigid.
@@ -81,6 +81,11 @@ class VehicleDynamics:
 
     def __post_init__(self) -> None:
         _ = self.speed_profile, self.suspension.static_loads, self.applied, self.structures  # validates all
+        if isinstance(self.contact, ContactsByWheelset):
+            for name in self.contact.own:
+                if name not in self.vehicle.wheelsets:
+                    wheelsets = ", ".join(self.vehicle.wheelsets)
+                    raise InvalidVehicle("contact", f"of an unknown wheelset {name!r}: must be one of {wheelsets}")
 
     @cached_property
     def speed_profile(self) -> SpeedProfile:
@@ -257,6 +262,7 @@ class VehicleDynamics:
                 speed=speed,
                 frame_rate=(wx, wy, wz),
                 rail_shift=self._rail_shift(travel.distance + self.vehicle.bodies[name].x + q[X], q[YAW]),
+                wheelset=name,
             )
         motions = self.motions(state)
         for i, structure, own in self.structures.elastic:

@@ -184,6 +184,7 @@ RUN = _shown(
         "body": Quantity(("body",)),
         "nominal_x": Quantity(("body",), "m", "place along the vehicle, forward"),
         "wheelset": Quantity(("wheelset",)),
+        "contact": Quantity(("wheelset",), "", "name of its contact in the scene, empty: that of the scene", False),
         "element": Quantity(("element",)),
         "axis": Quantity(("axis",)),
         **MOTION,

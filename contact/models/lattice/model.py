@@ -138,6 +138,10 @@ class LatticeContact:
         model.__dict__.update(_tables=self._tables, surface=self.surface)
         return model
 
+    def with_laws(self, laws: ContactLaws) -> LatticeContact:
+        """The model with other laws on the same bodies and strips."""
+        return self._sharing(replace(self, laws=laws))
+
     @cached_property
     def coarse(self) -> tuple[LatticeContact, LatticeContact]:
         """Models of half the resolution, one on strips that are offset by half their width: errors scatter with it."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from wheelrail.scenes.schema.profiles import Side
-from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
+from wheelrail.scenes.schema.scene import HertzScene, OnRails
 
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.rigid_surfaces import RigidPair
@@ -31,7 +31,7 @@ def material(body: ElasticConstants) -> Material:
     return Material(body.E, body.nu)
 
 
-def laws(scene: HertzScene | WheelsetScene | RunScene, side: Side = "left") -> ContactLaws:
+def laws(scene: HertzScene | OnRails, side: Side = "left") -> ContactLaws:
     """Contact laws of a scene on one side: penalty and regularised Coulomb friction, or the exact laws.
 
     The standard contact uses the friction of the exact laws.
@@ -45,7 +45,7 @@ def laws(scene: HertzScene | WheelsetScene | RunScene, side: Side = "left") -> C
     return ContactLaws(normal, friction, scene.regularisation)
 
 
-def friction_law(scene: HertzScene | WheelsetScene | RunScene, side: Side = "left") -> FrictionLaw:
+def friction_law(scene: HertzScene | OnRails, side: Side = "left") -> FrictionLaw:
     """Friction law of a scene on one side: the law of a table, or Coulomb's, constant or decreasing with the slip
     velocity.
     """
@@ -61,7 +61,7 @@ def friction_law(scene: HertzScene | WheelsetScene | RunScene, side: Side = "lef
 
 
 def standard_contact(
-    scene: HertzScene | WheelsetScene | RunScene,
+    scene: HertzScene | OnRails,
     surfaces: RigidPair,
     upper: ElasticConstants,
     lower: ElasticConstants,

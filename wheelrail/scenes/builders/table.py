@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from wheelrail.scenes.builders.laws import friction_law
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import Side
-from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
+from wheelrail.scenes.schema.scene import OnRails
 from wheelrail.support.text_file import json_value, present
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ UNITS = {"radius": " m", "wheel_y": " m", "rail_y": " m", "E": " Pa"}
 SAME = 1e-9  # relative difference of numbers
 
 
-def constant_friction(scene: WheelsetScene | RunScene, side: Side) -> float:
+def constant_friction(scene: OnRails, side: Side) -> float:
     """Coefficient of friction of a side. Raises SceneError for a law that is not constant."""
     from wheelrail.contact.laws.friction import Coulomb
 
@@ -33,7 +33,7 @@ def constant_friction(scene: WheelsetScene | RunScene, side: Side) -> float:
 
 
 def pair_identity(
-    scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profile, Profile], mounting: Mounting
+    scene: OnRails, side: Side, pair: tuple[Profile, Profile], mounting: Mounting
 ) -> dict[str, float | str]:
     """Inputs of the forces of one side besides the model: profiles as hashes, dimensions, material and friction."""
     return {
@@ -48,9 +48,7 @@ def pair_identity(
     }
 
 
-def table_contact(
-    scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profile, Profile], mounting: Mounting
-) -> TableContact:
+def table_contact(scene: OnRails, side: Side, pair: tuple[Profile, Profile], mounting: Mounting) -> TableContact:
     """Contact model of one side from the table of the scene.
 
     Parameters:

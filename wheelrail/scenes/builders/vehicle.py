@@ -81,19 +81,19 @@ def vehicle_on(scene: RunScene, file: Path | None = None) -> Vehicle:
         scene: of the run.
         file: vehicle file; None: the plane wagon of the scene.
 
-    Raises SceneError, also for wheels of another radius than those of the scene, and for a wheelset of the scene that
-    the vehicle does not have.
+    Raises SceneError, also for wheels of another radius than those of the scene, and for wheelsets that the vehicle does
+    not have.
     """
     if file is None:
         from wheelrail.vehicle.multibody.plane_wagon import plane_vehicle
 
         return plane_vehicle(wagon(scene))
     vehicle = load_vehicle(file)
-    for name in scene.wheelsets or {}:
-        if name not in vehicle.wheelsets:
-            raise SceneError(
-                f"wheelsets.{name}: must be one of {', '.join(vehicle.wheelsets)}, the wheelsets of {file}"
-            )
+    tables: dict[str, tuple[str, ...]] = {f"wheelsets.{name}": (name,) for name in scene.wheelsets or {}}
+    tables |= {f"contacts.{name}.wheelsets": own.wheelsets for name, own in (scene.contacts or {}).items()}
+    for key, names in tables.items():
+        if not set(names) <= set(vehicle.wheelsets):
+            raise SceneError(f"{key}: must be one of {', '.join(vehicle.wheelsets)}, the wheelsets of {file}")
     if vehicle.radius != scene.wheelset.radius:
         text = f"must be {scene.wheelset.radius:g} m, wheelset.radius of the scene"
         raise SceneError(f"{file}: bodies.{vehicle.wheelsets[0]}.height = {vehicle.radius:g}: {text}")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.builders.laws import laws, material, standard_contact
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import Side
-from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
+from wheelrail.scenes.schema.scene import OnRails, RunScene, WheelsetScene
 from wheelrail.scenes.schema.tables import PadsTable
 
 if TYPE_CHECKING:
@@ -31,26 +31,30 @@ log = logging.getLogger(__name__)
 SideProfiles = Mapping[str, "tuple[Profile, Profile]"]  # of wheel and inclined rail by side
 
 
-def wheelset_contact(scene: WheelsetScene | RunScene, profiles: SideProfiles | None = None) -> WheelsetContact:
+def wheelset_contact(
+    scene: OnRails, profiles: SideProfiles | None = None, models: dict[Any, Any] | None = None
+) -> WheelsetContact:
     """Contact model of both wheels of a wheelset on the track of the scene; one model serves two sides that are alike.
 
     Parameters:
-        scene: of a wheelset or a run.
+        scene: of a wheelset, of a run, or a contact of some wheelsets.
         profiles: of wheel and inclined rail by side; those of the scene by default.
+        models: made so far, by all but their laws; those of the same bodies share these.
 
     Raises SceneError for a profile that cannot be read, or a rail that does not extend to the gauge height.
     """
     pairs = profiles or side_profiles(scene)
-    left = _side_contact(scene, "left", pairs["left"])
-    return left if _alike(scene, pairs) else replace(left, right=_side_contact(scene, "right", pairs["right"]))
+    made = {} if models is None else models
+    left = _side_contact(scene, "left", pairs["left"], made)
+    return left if _alike(scene, pairs) else replace(left, right=_side_contact(scene, "right", pairs["right"], made))
 
 
-def _alike(scene: WheelsetScene | RunScene, pairs: SideProfiles) -> bool:
+def _alike(scene: OnRails, pairs: SideProfiles) -> bool:
     """Whether one model serves both sides: those of the scene, and the profiles given in place of its own."""
     return scene.sides_alike and all(a is b for a, b in zip(pairs["left"], pairs["right"], strict=True))
 
 
-def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profile, Profile]) -> WheelsetContact:
+def _side_contact(scene: OnRails, side: Side, pair: tuple[Profile, Profile], models: dict[Any, Any]) -> WheelsetContact:
     """Contact model of the pair of one side, as a left-hand pair, on both sides."""
     from wheelrail.contact.models.wheelset import WheelsetContact
 
@@ -66,11 +70,14 @@ def _side_contact(scene: WheelsetScene | RunScene, side: Side, pair: tuple[Profi
         from wheelrail.scenes.builders.table import table_contact
 
         return WheelsetContact(table_contact(scene, side, pair, mounting), mounting)
-    from wheelrail.contact.models.builders import wheel_rail_pair
+    from wheelrail.contact.models.builders import wheel_rail_pair, with_laws
 
-    materials = material(scene), material(scene)
-    model = wheel_rail_pair(pair, radius, materials, laws(scene, side), scene.discretisation)
-    return WheelsetContact(model, mounting)
+    materials, own = (material(scene), material(scene)), laws(scene, side)
+    key = (*(profile.digest() for profile in pair), radius, scene.E, scene.nu, scene.discretisation)
+    if key in models:
+        return WheelsetContact(with_laws(models[key], own), mounting)
+    models[key] = wheel_rail_pair(pair, radius, materials, own, scene.discretisation)
+    return WheelsetContact(models[key], mounting)
 
 
 def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleContact, Sequence[Structure | None] | None]:
@@ -78,8 +85,15 @@ def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleConta
 
     Errors as for `wheelset_contact`.
     """
-    profiles = side_profiles(scene)
-    contact = wheelset_contact(scene, profiles)
+    profiles, models = side_profiles(scene), dict[Any, Any]()
+    contact = wheelset_contact(scene, profiles, models)
+    if scene.contacts:
+        from wheelrail.contact.results.vehicle_contact import ContactsByWheelset
+
+        own: dict[str, VehicleContact] = {}
+        for named in scene.contacts.values():
+            own |= dict.fromkeys(named.wheelsets, wheelset_contact(named, None, models))
+        return ContactsByWheelset(contact, own), None
     if not scene.is_flexible:
         return contact, None
     from wheelrail.contact.loading.flexible_contact import FlexibleContact
@@ -162,7 +176,7 @@ def _with_host(scene: WheelsetScene, own: Flexibility, profiles: SideProfiles, h
     return own
 
 
-def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | None = None) -> RigidWheelset:
+def rigid_wheelset(scene: OnRails, profiles: SideProfiles | None = None) -> RigidWheelset:
     """Rigid surfaces of both sides and their mounting; parameters and errors as for `wheelset_contact`."""
     from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.geometry.rigid_surfaces import RigidWheelRail
@@ -177,7 +191,7 @@ def rigid_wheelset(scene: WheelsetScene | RunScene, profiles: SideProfiles | Non
     return on("left") if _alike(scene, pairs) else replace(on("left"), right=on("right"))
 
 
-def flexibility(scene: WheelsetScene | RunScene, profiles: SideProfiles) -> Flexibility:
+def flexibility(scene: OnRails, profiles: SideProfiles) -> Flexibility:
     """Compliance of the axle and of the rails on their pads; where the wheels differ, that of two left-hand ones.
 
     Raises SceneError for an axle that does not fit the wheels.
@@ -212,7 +226,7 @@ def _pads(table: PadsTable) -> RailPads:
     return RailPads(table.vertical, table.lateral, table.longitudinal, table.spacing)
 
 
-def _track_with_mass(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> CoRunningTrack:
+def _track_with_mass(scene: OnRails, pair: tuple[Profile, Profile]) -> CoRunningTrack:
     """Track under one wheel, with the masses of rail and sleepers."""
     from wheelrail.contact.structure.ballast import Ballast, co_running_track
     from wheelrail.contact.structure.ballasted_sleepers import sleeper_track
@@ -226,7 +240,7 @@ def _track_with_mass(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profi
     return co_running_track(*layers) if sleepers is None else sleeper_track(*layers, sleepers.length)
 
 
-def _hubs(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> HubCompliance:
+def _hubs(scene: OnRails, pair: tuple[Profile, Profile]) -> HubCompliance:
     """Compliance of the hubs of the scene's axle."""
     from wheelrail.contact.structure.hubs import hub_compliance
     from wheelrail.meshes.bodies.axle import AxleShape
@@ -245,7 +259,7 @@ def _hubs(scene: WheelsetScene | RunScene, pair: tuple[Profile, Profile]) -> Hub
         raise SceneError(f"wheelset.axle: {error}") from error
 
 
-def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
+def mounted(scene: OnRails, rail: Profile) -> Mounting:
     """Positions of wheels on the axle and of the inclined rails in the track.
 
     Raises SceneError for a rail that does not extend to the gauge height.
@@ -260,7 +274,7 @@ def mounted(scene: WheelsetScene | RunScene, rail: Profile) -> Mounting:
     return Mounting(0.5 * axle.flange_back_distance - axle.flange_back, rail_y, axle.radius)
 
 
-def side_profiles(scene: WheelsetScene | RunScene) -> SideProfiles:
+def side_profiles(scene: OnRails) -> SideProfiles:
     """Profiles of wheel and inclined rail by side, with a log message for each profile from a file.
 
     Raises SceneError for one that cannot be read.
@@ -273,7 +287,7 @@ def side_profiles(scene: WheelsetScene | RunScene) -> SideProfiles:
     return pairs
 
 
-def inclined_profiles(scene: WheelsetScene | RunScene, side: Side = "left") -> tuple[Profile, Profile]:
+def inclined_profiles(scene: OnRails, side: Side = "left") -> tuple[Profile, Profile]:
     """Profiles of wheel and inclined rail of one side. Raises SceneError for one that cannot be read."""
     angle = scene.side(side).laying_angle
     assert angle is not None

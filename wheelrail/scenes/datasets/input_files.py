@@ -61,8 +61,10 @@ def unpacked(tables: Mapping[str, Any], attributes: Mapping[str, Any], place: st
     except (OSError, ValueError, AttributeError, TypeError, RecursionError) as error:
         raise SceneError(f"{place}: {FILES}: the stored files of the scene are damaged: {error}") from None
     with_files: dict[str, Any] = _with_paths(tables, paths)
-    if with_files.pop("table", None) is not None:  # a large file, which no picture needs
-        with_files["model"] = "standard"
+    contacts = with_files.get("contacts", {})
+    for own in (with_files, *(contacts.values() if isinstance(contacts, Mapping) else ())):
+        if isinstance(own, dict) and own.pop("table", None) is not None:  # a large file, which no picture needs
+            own["model"] = "standard"
     return with_files
 
 

@@ -284,6 +284,8 @@ def run_dataset(history: History, text: str, scene: RunScene, file: Path | None 
     """
     from wheelrail.scenes.datasets.run import dataset
     from wheelrail.scenes.datasets.run_derived import with_energy
+    from wheelrail.scenes.quantities import RUN
+    from wheelrail.scenes.quantity import filled
     from wheelrail.scenes.runs.resume import inputs
     from wheelrail.vehicle.multibody.coordinates import X
 
@@ -294,6 +296,9 @@ def run_dataset(history: History, text: str, scene: RunScene, file: Path | None 
         "sampling": _sampling(scene.output.interval),
     }
     data = dataset(history, scene=text, vehicle=vehicle, shear_yield=scene.output.shear_yield).assign_attrs(facts)
+    if scene.contacts:
+        owners = {one: name for name, own in scene.contacts.items() for one in own.wheelsets}
+        data = data.assign(filled(RUN, {"contact": [owners.get(str(one), "") for one in data["wheelset"].values]}))
     at_places = bool(history.dynamics.coordinates.held[:, X].all())
     # The work between samples at an interval is unknown, and that of a force that moves bodies along the track.
     return with_energy(data, history) if at_places and not scene.output.interval else data

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
 
 from pydantic import (
+    Field,
     Strict,
     ValidationError,
     ValidationInfo,
@@ -41,7 +42,7 @@ from wheelrail.scenes.schema.tables import (
 )
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.scenes.schema.track import TrackLine
-from wheelrail.scenes.schema.wheelset_defaults import with_defaults
+from wheelrail.scenes.schema.wheelset_defaults import with_contacts, with_defaults
 from wheelrail.support.text_file import present
 
 if TYPE_CHECKING:
@@ -209,8 +210,13 @@ class OnRails(Contact):
     def side(self, name: Side) -> SideTable:
         """Profiles, radius and friction of one side."""
         own = self.profiles.of(name)
-        shared = {"radius": self.wheelset.radius, "friction": self.friction}
+        shared = {"radius": self._radius, "friction": self.friction}
         return own.model_copy(update={key: value for key, value in shared.items() if getattr(own, key) is None})
+
+    @property
+    def _radius(self) -> float:
+        """Rolling radius of both wheels, m."""
+        return self.wheelset.radius
 
     @property
     def sides_alike(self) -> bool:
@@ -386,9 +392,32 @@ class WheelsetScene(OnRails, Solve):
             raise q.reject('must be "solve" with wheel_load and wheelset.axle or track.pads', "wheelset.roll")
 
 
+class NamedContact(OnRails):
+    """Contact of some wheelsets of a vehicle file: their profiles, laws, friction and model.
+
+    Keys that are left out are those of the scene, of which another model takes the profiles, material and friction.
+
+    wheelsets: by name. radius: of the rolling circles of their wheels, m; the nominal heights stay.
+    """
+
+    laws: Literal["paper", "exact"] = "paper"
+    wheelsets: Annotated[tuple[str, ...], Strict(False), Field(min_length=1)]
+    radius: q.WheelRadius | None = None
+
+    @property
+    def _radius(self) -> float:
+        return self.wheelset.radius if self.radius is None else self.radius
+
+    @model_validator(mode="after")
+    def _consistent(self) -> NamedContact:
+        _tabulated(self, {"nu": self.nu})
+        return self
+
+
 class RunScene(OnRails):
     """A vehicle run along a track.
 
+    contacts: of some wheelsets of a vehicle file, by name.
     kick: lateral velocities at the start by body, m/s to the left, of a vehicle file.
     torque, force: of motors and brakes on wheelsets, and on bodies, of a vehicle file.
     wheelsets: axle and track of single wheelsets by name, of a vehicle file.
@@ -400,6 +429,7 @@ class RunScene(OnRails):
     vehicle: VehicleTable
     solver: SolverTable = SolverTable()
     output: OutputTable = OutputTable()
+    contacts: dict[str, NamedContact] | None = None
     kick: dict[str, q.KickVelocity] | None = None
     torque: Annotated[tuple[TorqueTable, ...], Strict(False), q.AtMost(1000)] | None = None
     force: Annotated[tuple[BodyForceTable, ...], Strict(False), q.AtMost(1000)] | None = None
@@ -430,6 +460,30 @@ class RunScene(OnRails):
                 raise q.reject(str(context["allowed"]), f"wheelsets.{name}.{context['key']}") from None
         return self
 
+    @model_validator(mode="before")
+    @classmethod
+    def _complete(cls, data: Any) -> Any:
+        if not (isinstance(data, Mapping) and isinstance(data.get("contacts"), Mapping)):
+            return data
+        return with_contacts(data, OnRails.model_fields, RailsTable.model_fields)
+
+    @model_validator(mode="after")
+    def _one_contact_each(self) -> RunScene:
+        if self.contacts and self.is_flexible:
+            raise q.reject(f"not allowed with {self._flexible_key}", "contacts")
+        owners = dict[str, str]()
+        for name, contact in (self.contacts or {}).items():
+            for wheelset in contact.wheelsets:
+                if wheelset in owners:
+                    text = f"{wheelset} has another contact, contacts.{owners[wheelset]}"
+                    raise q.reject(text, f"contacts.{name}.wheelsets")
+                owners[wheelset] = name
+        return self
+
+    def contact_of(self, wheelset: str) -> OnRails:
+        """Contact of a wheelset: its own one, or that of the scene."""
+        return next((own for own in (self.contacts or {}).values() if wheelset in own.wheelsets), self)
+
     @model_validator(mode="after")
     def _samples(self) -> RunScene:
         from wheelrail.vehicle.track.speed_profile import SpeedProfile
@@ -447,10 +501,8 @@ class RunScene(OnRails):
     @property
     def keys_of_vehicle_files(self) -> list[str]:
         """Keys that are used, and allowed only with a vehicle file."""
-        free = self.vehicle.free_speed or None
-        used: dict[str, Any] = {"kick": self.kick, "torque": self.torque, "force": self.force}
-        used |= {"vehicle.free_speed": free, "wheelsets": self.wheelsets}
-        return [key for key, value in used.items() if value]
+        used = [key for key in ("contacts", "wheelsets", "kick", "torque", "force") if getattr(self, key)]
+        return [*used, "vehicle.free_speed"] if self.vehicle.free_speed else used
 
     @model_validator(mode="after")
     def _flexible(self) -> RunScene:

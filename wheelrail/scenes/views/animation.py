@@ -43,6 +43,7 @@ class RunBodies:
         mounting: positions of wheels on the axle and rails in the track.
         radius: of the rolling circle, m; None: that of the mounting.
         right: bodies of the right-hand side, as left-hand ones; None where both sides are alike.
+        own: those of wheelsets with a contact of their own, by name.
     """
 
     wheel: Profile
@@ -50,6 +51,11 @@ class RunBodies:
     mounting: Mounting
     radius: float | None = None
     right: RunBodies | None = None
+    own: Mapping[str, RunBodies] = field(default_factory=dict)
+
+    def of(self, wheelset: str) -> RunBodies:
+        """Bodies of a wheelset."""
+        return self.own.get(wheelset, self)
 
     def on(self, side: str) -> RunBodies:
         """Bodies of one side, as left-hand ones."""
@@ -136,7 +142,10 @@ class Animation:
 
     def __post_init__(self) -> None:
         self.view = plotter("1/2", size=(1024, 768), off_screen=True)
-        self.data = self.data.sel(wheelset=self.wheelset, body=self.wheelset)
+        self.data, self.bodies = (
+            self.data.sel(wheelset=self.wheelset, body=self.wheelset),
+            self.bodies.of(self.wheelset),
+        )
         values = {name: self.data[name].values for name in ("vertical_force", "lateral_force", "patch_normal_force")}
         largest = [float(np.nanmax(np.abs(v), initial=1.0)) for v in values.values()]
         self._force, self._load = max(largest[:2]), largest[2]

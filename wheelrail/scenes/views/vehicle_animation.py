@@ -152,7 +152,7 @@ class VehicleAnimation:
         axle = pyvista().Cylinder(direction=(0.0, 1.0, 0.0), radius=AXLE, height=2 * wheel_y + 0.35, resolution=24)
         self._actors[name].append(view.add_mesh(axle, color=STEEL))
         for side, sign in zip(SIDES, (1.0, -1.0), strict=True):
-            own = self.bodies.on(side)
+            own = self.bodies.of(name).on(side)
             mesh = wheel_body(own.wheel, own.rolling_radius, right=side == "right").translate((0, sign * wheel_y, 0))
             mesh[WHEEL_LOAD] = np.zeros(mesh.n_points)
             actor = view.add_mesh(mesh, scalars=WHEEL_LOAD, clim=self._loads, cmap=PRESSURE_MAP, show_scalar_bar=False)

@@ -19,7 +19,7 @@ from wheelrail.scenes.datasets.run_file import is_of_wagon, read_run
 from wheelrail.scenes.quantity import significant
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.profiles import Side
-from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
+from wheelrail.scenes.schema.scene import HertzScene, OnRails, RunScene, WheelsetScene
 from wheelrail.scenes.views.plotter import pyvista
 
 if TYPE_CHECKING:
@@ -278,6 +278,11 @@ def bodies_of_run(data: Dataset, file: Path) -> RunBodies:
 
 def bodies_of_scene(scene: RunScene) -> RunBodies:
     """The same from the scene itself."""
+    own = {one: _bodies(contact) for contact in (scene.contacts or {}).values() for one in contact.wheelsets}
+    return replace(_bodies(scene), own=own)
+
+
+def _bodies(scene: OnRails) -> RunBodies:
     from wheelrail.scenes.views.animation import RunBodies
 
     def bodies(side: Side) -> RunBodies:
