@@ -291,6 +291,13 @@ class ProfileRates:
     t_gamma: float
     unbalanced: float
 
+    @classmethod
+    def of_sections(cls, removed: Array, pressed: Array, outside: float) -> ProfileRates:
+        """Rates for a step; others are NaN."""
+        nothing = np.full(len(removed), np.nan)
+        traction = np.full((len(removed), 2), np.nan)
+        return cls(removed, pressed, nothing, nothing, nothing, nothing, traction, outside, np.nan, np.nan)
+
     @property
     def pressure(self) -> Array:
         """Mean pressure (n,) Pa weighted by the removed area; 0 where nothing is removed."""

@@ -303,7 +303,7 @@ def test_scenes_in_the_text_are_valid_tables(tmp_path: Path) -> None:
     from wheelrail.vehicle.wagon.components import Suspension
     from wheelrail.vehicle.wagon.wagon import Wagon
 
-    tables = keys.models(tuple(KINDS.values()))
+    tables = keys.models((*KINDS.values(), *keys.wear_models()))
     allowed = {key for table in tables for key in table.model_fields}
     laws = [law for law in (*FRICTION.values(), *NORMAL.values()) if isinstance(law, type)]
     own = {"dry", "wheelset_1", "wheelset_4", "turned", "hollow"}  # a law in laws.md, names in flexible.md, vehicle.md

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,8 @@ import xarray
 from xarray import Dataset
 
 import wheelrail as wr
+from wheelrail.api.wear import Wear
+from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.wear.cases import Duty
@@ -25,6 +28,7 @@ VEHICLE = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manch
 SHARP = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
 WIDE = {"curvature": 1.0 / 1200.0, "cant": 0.06, "speed": 35.0}
 VARIED = {"share": 1.0, "steady": WIDE, "vary": {"friction": [0.2, 0.4]}}
+RAILS = ["60E1", "UIC60-benchmark"]
 SECONDS = "seconds"
 
 
@@ -141,6 +145,62 @@ def test_a_turned_vehicle_wears_both_sides_alike() -> None:
     np.testing.assert_allclose(turned["depth"].values[-1, 0], turned["depth"].values[-1, 1], atol=1e-11)
 
 
+def test_rails_wear_by_passages_with_their_own_clock(tmp_path: Path) -> None:
+    """Sections are passages times rates; rails are renewed at their depth only; a killed loop ends in the same bits."""
+    duty = {"share": 1.0, "steady": SHARP, "vary": {"friction": [0.2, 0.3]}, "name": "sharp"}
+    more = {"until": 1.2e5, "depth": 5e-5, "rails": {"passages": 0.5, "depth": 4e-5}}
+    data = wear(duty, folder=tmp_path, **more)
+    assert data.attrs["status"] == "completed"
+    assert data["rail"].values.tolist() == ["sharp, inner rail", "sharp, outer rail"]
+    passed = 0.5 * np.diff(data["distance"].values)
+    removed = np.nansum(data["rail_removed_area"].values, axis=2)
+    np.testing.assert_allclose(removed[-1], passed @ np.nansum(data["rail_area_rate"].values[:-1], axis=2), rtol=1e-12)
+    np.testing.assert_allclose(data["rail_section"].values[-1], removed[-1], rtol=1e-4)
+    inner, outer = np.count_nonzero(np.diff(removed, axis=0), axis=0)
+    assert outer > inner == 1  # at the end alone
+    assert np.nanmax(np.diff(data["rail_depth"].values, axis=0)) <= 4e-5
+    drawn = Wear(data).plot.rails()
+    assert [ax.get_title(loc="left") + ax.get_title() for ax in drawn] == ["sharp, inner rail", "sharp, outer rail"]
+    new = named_profile("60E1").inclined(1.0 / 40.0)
+    worn = Wear(data).profile(new, name="sharp, outer rail")
+    assert worn.measures(new).removed_section == pytest.approx(data["rail_section"].values[-1, 1], rel=1e-9)
+    assert "Wear of the rails after 6e+04 wheelsets" in repr(Wear(data))
+    for file in sorted((tmp_path / "steps").iterdir())[2:]:
+        file.unlink()
+    resumed = wear(duty, folder=tmp_path, resume=True, **more)
+    xarray.testing.assert_equal(resumed.drop_vars(SECONDS), data.drop_vars(SECONDS))
+
+
+def test_worn_rails_stay_in_their_place() -> None:
+    """The gauge of a worn rail is wide."""
+    table = {**VEHICLE, "law": {"name": "usfd"}, "until": 1.0, "duty": [{"share": 1.0, "steady": SHARP}]}
+    duty = Duty(check_wear({**table, "rails": {"passages": 1.0}}), Path("wear.toml"))
+    rails = {name: rail.profile for name, rail in duty.unworn_rails().items()}
+    worn = {name: replace(own, removed=np.full(len(own.removed), 1e-3 * own.width)) for name, own in rails.items()}
+    profiles = [duty.unworn() | own for own in (rails, worn)]
+    with (
+        duty.contacts(profiles[0], profiles[0], duty.cases) as new,
+        duty.contacts(profiles[1], profiles[1], duty.cases) as old,
+    ):
+        (first,), (second,) = new.values(), old.values()
+        assert isinstance(first, WheelsetContact)
+        assert isinstance(second, WheelsetContact)
+        assert first.mounting == second.mounting
+        assert first.model is not second.model
+
+
+def test_hands_wear_rails_of_both() -> None:
+    """In curves of both hands, wheels of both sides wear alike, and rails as in one hand alone."""
+    more = {"profiles": "sides", "rails": {"passages": 0.5}, "until": 1e5}
+    both = wear({"share": 1.0, "steady": SHARP, "both_hands": True}, **more)
+    one = wear({"share": 1.0, "steady": SHARP}, **more)
+    assert both["rail"].values.tolist() == one["rail"].values.tolist()
+    rates = [own["rail_area_rate"].values[0] for own in (both, one)]
+    np.testing.assert_allclose(rates[0], rates[1], atol=1e-6 * rates[1].max())
+    worn = both["depth"].values[-1]
+    np.testing.assert_allclose(worn[0], worn[1], atol=1e-10)
+
+
 def test_rows_of_a_run_wear_and_limits_turn_the_wheels() -> None:
     """A vehicle that runs straight wears its tread alike on both sides; it is turned as soon as it is hollow."""
     tangent = {"track.segments": [{"kind": "tangent", "length": 12.0}]}
@@ -189,6 +249,11 @@ def test_bodies_are_renewed_with_the_depth() -> None:
         ({"duty": [{**VARIED, "vary": {"steady.speed": [-3.0]}}]}, r"vary: steady: speed = -3.0: must be a number"),
         ({"duty": [{**VARIED, "vary": {"friction": [0.3, 0.3]}}]}, "vary: friction: 0.3 must be listed once"),
         ({"duty": [{**VARIED, "set": {"friction": 0.3}}]}, "friction: must be in set or in vary"),
+        (
+            {"duty": [{**VARIED, "vary": {"profiles.rail": RAILS}}], "rails": {"passages": 1.0}},
+            "rail .* must be the same",
+        ),
+        ({"rails": {"passages": 0.0}}, "rails.passages = 0.0: must be a number from"),
         ({"profiles": "wheels"}, "profiles = 'wheels': must be|profiles = \"wheels\""),
     ],
 )

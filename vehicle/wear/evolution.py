@@ -8,12 +8,13 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from wheelrail.contact.wear.strips import Place, ProfileGrid, ProfileRates
+from wheelrail.contact.wear.strips import Place, ProfileGrid, ProfileRates, total
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.meshes.profiles.worn import new_arc_length
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.wear.smoothing import Step, step
 
+REACHED = 1e-6  # of the depth of a step: rounding of passages
 LOST = 1e-6  # of the removed volume: largest part beyond the ends of a profile
 
 
@@ -23,7 +24,7 @@ class OffTheProfile(ValueError):
 
 @dataclass(frozen=True)
 class WearingProfile:
-    """A new wheel profile and the section removed from its cells.
+    """A new profile of a wheel or a rail, and the section removed from its cells.
 
     Parameters:
         new: profile.
@@ -39,6 +40,12 @@ class WearingProfile:
     def unworn(cls, new: Profile, radius: float) -> WearingProfile:
         """A new wheel of a nominal radius m."""
         grid = ProfileGrid.wheel(new, radius)
+        return cls(new, grid, np.zeros(len(grid.bounds) - 1))
+
+    @classmethod
+    def unworn_rail(cls, new: Profile) -> WearingProfile:
+        """A new rail."""
+        grid = ProfileGrid.rail(new)
         return cls(new, grid, np.zeros(len(grid.bounds) - 1))
 
     @property
@@ -82,6 +89,43 @@ class WearingProfile:
     def after(self, step: Step) -> WearingProfile:
         """The profile after a step."""
         return replace(self, removed=self.removed + step.depth * self.width)
+
+
+@dataclass(frozen=True)
+class WearingRail:
+    """A rail, and the material removed since its last step.
+
+    Parameters:
+        profile: on which wheels run.
+        waiting: sums over the passages since; None: nothing.
+    """
+
+    profile: WearingProfile
+    waiting: ProfileRates | None = None
+
+    def passages(self, rates: ProfileRates, depth: float) -> float:
+        """Passages at given rates until a depth m waits somewhere; infinite without wear."""
+        waiting = np.zeros(len(rates.removed)) if self.waiting is None else self.waiting.removed
+        rest = np.maximum(depth * self.profile.width - waiting, 0.0)
+        worn = rates.removed > 0.0
+        return float((rest[worn] / rates.removed[worn]).min(initial=np.inf))
+
+    def after(self, rates: ProfileRates, passages: float, *, modulus: float, depth: float) -> WearingRail:
+        """The rail after passages, with a step where depth m is reached.
+
+        Parameters:
+            rates: of the rail.
+            passages: number.
+            modulus: E*, Pa.
+            depth: m; 0: in any case.
+
+        Raises OffTheProfile.
+        """
+        parts = [(rates, passages)] if self.waiting is None else [(self.waiting, 1.0), (rates, passages)]
+        waiting = total([own for own, _ in parts], [weight for _, weight in parts])
+        if waiting.removed.max() < (1.0 - REACHED) * depth * self.profile.width:
+            return replace(self, waiting=waiting)
+        return WearingRail(self.profile.after(self.profile.step(waiting, modulus, np.inf, 1.0)))
 
 
 def wear_step(

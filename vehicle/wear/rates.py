@@ -1,4 +1,4 @@
-"""Rates of wear of wheels over the rows of a motion, each wheel on the new profile of its side."""
+"""Rates of wear over the rows of a motion, of wheels and rails by side."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.wear.laws import WearLaw
 from wheelrail.contact.wear.strips import Place, ProfileGrid, ProfileRates, profile_rates, total, worn_strips
 
+Weighted = dict[str, list[tuple[float, ProfileRates]]]
+
 
 @dataclass(frozen=True)
 class WornSurface:
-    """Surface of the wheels of one side.
+    """Surface of the wheels or of the rail of one side.
 
     Parameters:
-        profile: name of the profile that they share.
+        profile: name, of several sides where they share one.
         grid: of its new profile.
         place: arc length on the new profile by that of the present one; None: the same.
         friction: law or coefficient of the contact.
@@ -32,19 +34,23 @@ class WornSurface:
 
 @dataclass
 class MotionRates:
-    """Rates of the wheels of a motion over its rows.
+    """Rates of wheels and rails over the rows of a motion.
 
     Parameters:
-        surfaces: by side.
+        surfaces: of wheels, by side.
         law: of wear.
+        rails: those that wear, by side.
         failed: number of wheels without a result.
         wheels: rates of the others with their weights, by profile.
+        passages: the same of the rails.
     """
 
     surfaces: Mapping[Side, WornSurface]
     law: WearLaw
+    rails: Mapping[Side, WornSurface] = field(default_factory=dict)
     failed: int = 0
-    wheels: dict[str, list[tuple[float, ProfileRates]]] = field(default_factory=dict)
+    wheels: Weighted = field(default_factory=dict)
+    passages: Weighted = field(default_factory=dict)
 
     def add(self, speed: float, contacts: Mapping[str, Mapping[Side, ContactResult]]) -> None:
         """Add a row; rows at equal times count by their distances.
@@ -64,6 +70,8 @@ class MotionRates:
                 warnings.simplefilter("ignore")
                 strips = worn_strips(result if side == "left" else result.mirrored(), self.law, own.friction, speed)
             self.wheels.setdefault(own.profile, []).append((speed, profile_rates(strips, own.grid, own.place)))
+            if rail := self.rails.get(side):
+                self.passages.setdefault(rail.profile, []).append((speed, profile_rates(strips, rail.grid, rail.place)))
 
     @property
     def failed_share(self) -> float:
@@ -75,6 +83,11 @@ class MotionRates:
     def mean(self) -> dict[str, ProfileRates]:
         """Mean rates of the wheels by profile."""
         return {name: _mean(rates) for name, rates in self.wheels.items()}
+
+    @property
+    def mean_passage(self) -> dict[str, ProfileRates]:
+        """Mean rates of the passages of a wheel by rail."""
+        return {name: _mean(rates) for name, rates in self.passages.items()}
 
 
 def _mean(rates: Sequence[tuple[float, ProfileRates]]) -> ProfileRates:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.api.stored_dataset import StoredDataset
-from wheelrail.scenes.plots.style import panels, shown, styled
+from wheelrail.scenes.plots.style import panels, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,19 +37,25 @@ class Wear(StoredDataset):
         return str(self.data.attrs["status"])
 
     def profile(self, new: Profile, step: int = -1, name: str | None = None) -> Profile:
-        """Worn profile at a step, for `wheelrail.Wheelset`.
+        """Worn profile of a wheel or a rail at a step, for `wheelrail.Wheelset`.
 
         Parameters:
-            new: profile that wore.
+            new: profile that wore; of a rail, as it is inclined in the track.
             step: number; the last one by default.
-            name: of the profile in the results; the first one by default.
+            name: of the profile or rail in the results; the first wheel by default.
 
         Raises ValueError for another new profile.
         """
-        number = 0 if name is None else self.data["profile"].values.tolist().index(name)
-        s, removed = self.data["s"].values, self.data["removed_area"].values[step, number]
+        wheels, rails = (list(self.data[key].values) if key in self.data else [] for key in ("profile", "rail"))
+        if name is not None and name not in (*wheels, *rails):
+            raise ValueError(f"name = {name!r}: must be one of {', '.join((*wheels, *rails))}")
+        prefix = "rail_" if name in rails else ""
+        number = 0 if name is None else (rails if prefix else wheels).index(name)
+        areas = self.data[f"{prefix}removed_area"].values[step]
+        cells = np.isfinite(areas[number])  # one rail has fewer than another
+        s, removed = np.broadcast_to(self.data[f"{prefix}s"].values, areas.shape)[number, cells], areas[number, cells]
         bounds = np.linspace(*new.s_range, len(s) + 1)
-        points = np.stack([self.data[key].values[number] for key in ("new_y", "new_z")], axis=1)
+        points = np.stack([self.data[f"{prefix}new_{key}"].values[number, cells] for key in "yz"], axis=1)
         middle = 0.5 * (bounds[1:] + bounds[:-1])
         if np.abs(middle - s).max() > SAME or np.abs(new.point(s) - points).max() > SAME:
             raise ValueError(f"new: {new.name} is not the profile that wore")
@@ -58,7 +64,7 @@ class Wear(StoredDataset):
     @property
     def plot(self) -> WearPlots:
         """Figures: `plot()` for all, `plot.profiles(scale=20)`, `plot.depth()`, `plot.measures()`, `plot.duty()`,
-        `plot.fatigue()`.
+        `plot.fatigue()`, `plot.rails()`.
         """
         return WearPlots(self.data)
 
@@ -83,7 +89,7 @@ class WearPlots:
         """Draw all figures, by name."""
         from wheelrail.scenes.plots.wear import PICTURES
 
-        return {name: self._drawn(name) for name in PICTURES}
+        return {name: axes for name in PICTURES if (axes := self._drawn(name))}
 
     def profiles(self, scale: float = 20.0) -> tuple[Axes, ...]:
         """Profiles over the distance; scale: of the depths."""
@@ -105,11 +111,16 @@ class WearPlots:
         """T-gamma damage by case, new and at the last step."""
         return self._drawn("fatigue")
 
+    def rails(self) -> tuple[Axes, ...]:
+        """Depth of the rails that wear; none without."""
+        return self._drawn("rails")
+
     def _drawn(self, name: str, **options: Any) -> tuple[Axes, ...]:
         from wheelrail.scenes.plots.wear import PICTURES
 
         with styled():
-            return panels(partial(PICTURES[name], **options)(self.data, None) or shown(None))
+            figure = partial(PICTURES[name], **options)(self.data, None)
+            return () if figure is None else panels(figure)
 
 
 def wear(

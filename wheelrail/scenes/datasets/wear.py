@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from wheelrail.contact.wear.fatigue import direction
 from wheelrail.contact.wear.strips import ProfileRates, total
 from wheelrail.scenes.quantity import Quantity, Schema, filled
+from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.wear.evolution import WearingProfile
 
 CELLS, BY_CASE, OF_PROFILE, OF_CASE = ("profile", "s"), ("case", "profile", "s"), ("profile",), ("case",)
+OF_RAIL, RAIL_CELLS = ("rail",), ("rail", "cell")
 AMPLITUDE = 3e-3  # m, of the equivalent conicity
 
 WEAR: Schema = {
@@ -53,6 +55,21 @@ WEAR: Schema = {
     "removed_section": Quantity(OF_PROFILE, "m2", "removed section", label="section", shown="mm²", digits=2),
     "removed_mass": Quantity(OF_PROFILE, "kg", "removed mass of a wheel", label="mass", digits=3),
     "conicity": Quantity((), "1", "equivalent conicity of EN 15302 at 3 mm", label="conicity", digits=3),
+    "rail": Quantity(OF_RAIL, "", "rail that wears"),
+    "passages": Quantity((), "1", "wheelsets that passed the rails"),
+    "rail_s": Quantity(RAIL_CELLS, "m", "arc length on the new rail, NaN beyond its cells"),
+    "rail_new_y": Quantity(RAIL_CELLS, "m", "middle of a cell on the new rail: lateral place, positive to the field"),
+    "rail_new_z": Quantity(RAIL_CELLS, "m", "the same: height above the top of the new rail"),
+    "rail_removed_area": Quantity(RAIL_CELLS, "m2", "section removed in a cell of the new rail"),
+    "rail_depth": Quantity(
+        RAIL_CELLS, "m", "mean depth removed in a cell of a rail", label="depth", shown="mm", digits=3
+    ),
+    "rail_area_rate": Quantity(RAIL_CELLS, "m2", "section removed in a cell per passage of a wheelset"),
+    "rail_pressed_rate": Quantity(RAIL_CELLS, "N", "the same times the pressure"),
+    "rail_outside_rate": Quantity(OF_RAIL, "m2", "section per passage beyond the ends of the rail"),
+    "rail_section": Quantity(OF_RAIL, "m2", "removed section of a rail", label="section", shown="mm²", digits=2),
+    "W1": Quantity(OF_RAIL, "m", "vertical wear of a rail", label="W1", shown="mm", digits=3),
+    "W3": Quantity(OF_RAIL, "m", "side wear of a rail, 14 mm below its new top", label="W3", shown="mm", digits=3),
     "turned": Quantity((), "1", "number of times the wheels were turned to the new profile"),
     "seconds": Quantity((), "s", "computing time"),
 }
@@ -121,11 +138,45 @@ def rate_values(
     }
 
 
+def rail_state_values(rails: Mapping[str, WearingProfile], passages: float) -> dict[str, Any]:
+    """Values of rails by name after passages of wheelsets; nothing without rails."""
+    if not rails:
+        return {}
+    measures: list[Any] = [own.present.measures(own.new) for own in rails.values()]
+    return {
+        "passages": passages,
+        "rail_removed_area": _padded([own.removed for own in rails.values()]),
+        "rail_depth": _padded([own.depth for own in rails.values()]),
+        "rail_section": np.array([own.removed_section for own in measures]),
+        **{name: np.array([getattr(own, name) for own in measures]) for name in ("W1", "W3")},
+    }
+
+
+def rail_rate_values(rates: Collection[ProfileRates]) -> dict[str, Any]:
+    """Values of the rates of rails; nothing without rails."""
+    if not rates:
+        return {}
+    return {
+        "rail_area_rate": _padded([own.removed for own in rates]),
+        "rail_pressed_rate": _padded([own.pressed for own in rates]),
+        "rail_outside_rate": np.array([own.outside for own in rates]),
+    }
+
+
+def _padded(rows: Sequence[Array]) -> Array:
+    """Rows of different lengths as one array, NaN beyond their ends."""
+    found = np.full((len(rows), max(map(len, rows))), np.nan)
+    for own, row in zip(found, rows, strict=True):
+        own[: len(row)] = row
+    return found
+
+
 def step_dataset(
     profiles: Mapping[str, WearingProfile],
     cases: Mapping[str, float],
     values: Mapping[str, Any],
     attributes: Mapping[str, Any],
+    rails: Mapping[str, WearingProfile],
 ) -> Dataset:
     """Dataset of one step; values that it lacks are NaN.
 
@@ -134,6 +185,7 @@ def step_dataset(
         cases: shares by name.
         values: by name of WEAR.
         attributes: of the file.
+        rails: those that wear, by name.
     """
     from xarray import Dataset
 
@@ -149,8 +201,20 @@ def step_dataset(
         "case": list(cases),
         "share": list(cases.values()),
     }
+    if rails:
+        middles = [0.5 * (own.grid.bounds[1:] + own.grid.bounds[:-1]) for own in rails.values()]
+        places = [own.new.point(s) for own, s in zip(rails.values(), middles, strict=True)]
+        coordinates |= {
+            "rail": list(rails),
+            "rail_s": _padded(middles),
+            "rail_new_y": _padded([own[:, 0] for own in places]),
+            "rail_new_z": _padded([own[:, 1] for own in places]),
+        }
+        sizes |= {"rail": len(rails), "cell": max(map(len, middles))}
     nothing = {
-        name: np.full([sizes[dim] for dim in own.dims], np.nan) for name, own in WEAR.items() if name not in coordinates
+        name: np.full([sizes[dim] for dim in own.dims], np.nan)
+        for name, own in WEAR.items()
+        if name not in coordinates and sizes.keys() >= set(own.dims) and (rails or name != "passages")
     }
     return Dataset(filled(WEAR, {**nothing, **values}), coords=filled(WEAR, coordinates), attrs=dict(attributes))
 

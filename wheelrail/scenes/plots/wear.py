@@ -105,6 +105,31 @@ def fatigue(data: Dataset, figure: Figure | None = None) -> Figure:
     return _by_case(data, figure, "damage_rate", 1.0, "T-gamma damage [1/m per m]")
 
 
+def rails(data: Dataset, figure: Figure | None = None) -> Figure | None:
+    """Depth of the rails along their profiles at some steps; None without rails that wear."""
+    from matplotlib import colormaps
+
+    if "rail" not in data.dims:
+        return None
+    count = data.sizes["rail"]
+    figure = shown(figure, (7.2, 2.6 * ((count + 1) // 2)))
+    axes = figure.subplots((count + 1) // 2, 2, squeeze=False, sharex=True, sharey=True)
+    steps = [step for step in _some(data) if step] or [0]
+    for own, ax in enumerate(axes.flat[:count]):
+        for k, step in enumerate(steps):
+            ax.plot(
+                1e3 * data["rail_s"].values[own],
+                1e3 * data["rail_depth"].values[step, own],
+                color=colormaps[PRESSURE_MAP](k / max(len(steps) - 1, 1) * 0.85),
+                label=f"{data['passages'].values[step]:.3g} wheelsets",
+            )
+        ax.set(title=literal(str(data["rail"].values[own])), xlabel="arc length, gauge side negative [mm]")
+    for row in axes:
+        row[0].set_ylabel("depth [mm]")
+    axes[0, 0].legend()
+    return figure
+
+
 def _by_case(data: Dataset, figure: Figure | None, name: str, scale: float, label: str) -> Figure:
     figure = shown(figure, (7.2, 2.8 * data.sizes["profile"]))
     rated = np.flatnonzero(np.isfinite(data["t_gamma"].values).all(axis=1))
@@ -126,10 +151,11 @@ def _by_case(data: Dataset, figure: Figure | None, name: str, scale: float, labe
     return figure
 
 
-PICTURES: dict[str, Callable[..., Figure]] = {
+PICTURES: dict[str, Callable[..., Figure | None]] = {
     "profiles": profiles,
     "depth": depth,
     "measures": measures,
     "duty": duty,
     "fatigue": fatigue,
+    "rails": rails,
 }

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,19 +19,20 @@ from wheelrail.contact.wear.strips import ProfileRates
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.builders.vehicle import applied_loads
-from wheelrail.scenes.builders.wheelset import SideProfiles, side_profiles, wheelset_contact
+from wheelrail.scenes.builders.wheelset import SideProfiles, mounted, side_profiles, wheelset_contact
 from wheelrail.scenes.runs.run import simulate_on_track, vehicle_for_run
 from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.edits import changed
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.scenes.wear.rails import rail_names
 from wheelrail.scenes.wear.schema import DutyTable, WearTable
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import unstored
 from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
-from wheelrail.vehicle.wear.evolution import WearingProfile
+from wheelrail.vehicle.wear.evolution import WearingProfile, WearingRail
 from wheelrail.vehicle.wear.rates import MotionRates, WornSurface
 
 if TYPE_CHECKING:
@@ -64,11 +66,12 @@ class CurveStart:
 
 @dataclass(frozen=True)
 class CaseRates:
-    """Mean rates of the wheels of a case by profile, share of wheels without a result, starts of the next solves by
-    hand.
+    """Mean rates of the wheels of a case by profile, those of a passage by rail, share of wheels without a result,
+    starts of the next solves by hand.
     """
 
     mean: Mapping[str, ProfileRates]
+    mean_passage: Mapping[str, ProfileRates]
     failed_share: float
     starts: Mapping[str, CurveStart]
 
@@ -82,6 +85,8 @@ class Case:
     scene: RunScene
     vehicle: Vehicle
     turned: bool = False  # end for end: its left wheels are on the right
+    hand: int = 1  # -1: the curve is mirrored
+    rails: Mapping[Side, str] = field(default_factory=dict)  # names of those that wear
 
     @cached_property
     def new_profiles(self) -> SideProfiles:
@@ -93,7 +98,7 @@ class Case:
         """Text that is equal for cases whose contacts are equal."""
         keys = self.scene.model_dump(exclude={"track", "vehicle", "solver", "output", "kick", "force", "torque"})
         track = self.scene.track.model_dump(include={"gauge", "gauge_height"})
-        return json.dumps([keys, track, self.turned], default=str, sort_keys=True)
+        return json.dumps([keys, track, self.turned, self.rails], default=str, sort_keys=True)
 
 
 @dataclass
@@ -118,25 +123,38 @@ class Duty:
                 new, radius = case.new_profiles[side][0], case.scene.side(side).radius
                 if new.digest() != first.new_profiles[side][0].digest() or radius != first.scene.side(side).radius:
                     raise SceneError(f"{self.path}: duty {case.name!r}: has another {side} wheel than {first.name!r}")
+        self.unworn_rails()  # of which each is the same in all its cases
         if self.table.profiles == "one" and not first.scene.sides_alike:
             raise SceneError(f'{self.path}: profiles = "one": must be "sides" for sides that differ')
 
     @cached_property
     def cases(self) -> tuple[Case, ...]:
         vehicle = None if self.table.vehicle is None else Path(self.table.vehicle)
-        return tuple(way for table in self.table.cases for way in self._ways(self._case(table, vehicle)))
+        return tuple(
+            way
+            for number, entry in enumerate(self.table.duty)
+            for table in entry.cases(number)
+            for way in self._ways(self._case(table, vehicle), entry.title(number))
+        )
 
-    def _ways(self, case: Case) -> Iterator[Case]:
-        """The case, or two halves of a case, one with the vehicle turned."""
-        if not self.table.turned:
-            yield case
-            return
-        if case.scene.force or case.scene.side("left").radius != case.scene.side("right").radius:
+    def _ways(self, case: Case, entry: str) -> Iterator[Case]:
+        """The case, in parts where the vehicle runs turned, too, or where rails of a curve have another hand.
+
+        Parameters:
+            case: whole.
+            entry: title in the duty, of which rails are named.
+        """
+        if self.table.turned and (case.scene.force or len({case.scene.side(side).radius for side in SIDES}) > 1):
             text = "not allowed with forces on bodies, nor with wheels of different radii"
             raise SceneError(f"{self.path}: turned = true: duty {case.name!r}: {text}")
-        half = case.table.model_copy(update={"share": 0.5 * case.table.share})
-        yield replace(case, table=half)
-        yield replace(case, name=f"{case.name}, turned", table=half, vehicle=case.vehicle.turned, turned=True)
+        apart = case.table.both_hands and self.table.profiles == "sides" and self.table.rails is not None
+        ways = list(product((1, -1) if apart else (1,), (False, True) if self.table.turned else (False,)))
+        part = case.table.model_copy(update={"share": case.table.share / len(ways)})
+        for hand, turned in ways:
+            words = [case.name, *(["other hand"] if hand < 0 else []), *(["turned"] if turned else [])]
+            vehicle = case.vehicle.turned if turned else case.vehicle
+            rails = {} if self.table.rails is None else rail_names(entry, part, hand)
+            yield Case(", ".join(words), part, case.scene, vehicle, turned, hand, rails)
 
     def _case(self, table: DutyTable, vehicle: Path | None) -> Case:
         name, file = table.title(0), table.scene or self.table.scene
@@ -180,6 +198,20 @@ class Duty:
             found[self.profile_of(side)] = WearingProfile.unworn(pairs[side][0], radius)
         return found
 
+    def unworn_rails(self) -> dict[str, WearingRail]:
+        """The new rails that wear, by name. Raises SceneError for different ones in the cases of a rail."""
+        found = dict[str, WearingRail]()
+        for case in self.cases:
+            for side, name in case.rails.items():
+                new = case.new_profiles[side][1]
+                own = found.setdefault(name, WearingRail(WearingProfile.unworn_rail(new)))
+                if own.profile.new.digest() != new.digest():
+                    text = (
+                        f"rail {name!r}: must be the same in all cases, as it wears: list rails as cases of their own"
+                    )
+                    raise SceneError(f"{self.path}: duty {case.name!r}: {text}")
+        return found
+
     @contextmanager
     def contacts(
         self, profiles: Profiles, renewed: Profiles, cases: Sequence[Case], threads: int | None = None
@@ -187,7 +219,7 @@ class Duty:
         """Contacts of cases on worn profiles, by `Case.contact_key`, solved in threads until the end of the block.
 
         Parameters:
-            profiles: present ones.
+            profiles: present ones, also of rails that wear.
             renewed: those that the compliance of the bodies is of; worn ones are not stored on the disk.
             cases: of this duty.
             threads: number; by default that of the scene.
@@ -211,7 +243,10 @@ class Duty:
     def pairs(self, case: Case, present: Mapping[str, Profile]) -> SideProfiles:
         """Worn wheel and inclined rail by side; present: profiles by name."""
         new = case.new_profiles
-        left, right = ((present[self.profile_of(side, case.turned)], new[side][1]) for side in SIDES)
+        left, right = (
+            (present[self.profile_of(side, case.turned)], present.get(case.rails.get(side, ""), new[side][1]))
+            for side in SIDES
+        )
         return {"left": left, "right": right}
 
     def _on_bodies(
@@ -220,14 +255,16 @@ class Duty:
         """The contact with the compliance of earlier profiles: that of a worn wheel takes seconds, and a depth of 0.3
         mm changes places of contact by 0.1 mm and pressures by 1.5 %.
         """
-        name, model = self.profile_of(side, case.turned), contact.model
-        if not isinstance(model, LatticeContact) or profiles[name] is renewed[name]:
+        if case.rails:  # worn rails stay in their place
+            contact = replace(contact, mounting=mounted(case.scene, case.new_profiles[side][1]))
+        names, model = [self.profile_of(side, case.turned), *filter(None, [case.rails.get(side)])], contact.model
+        if not isinstance(model, LatticeContact) or all(profiles[name] is renewed[name] for name in names):
             return contact
         key = case.contact_key, side
-        earlier = renewed[name].present
-        if key not in self._bodies or self._bodies[key][0] != earlier.digest():
+        earlier = "".join(renewed[name].present.digest() for name in names)
+        if key not in self._bodies or self._bodies[key][0] != earlier:
             bodies = wheelset_contact(case.scene, self.pairs(case, {n: own.present for n, own in renewed.items()}))
-            self._bodies[key] = earlier.digest(), bodies.of(side).model.operators  # type: ignore[attr-defined]
+            self._bodies[key] = earlier, bodies.of(side).model.operators  # type: ignore[attr-defined]
         operators = self._bodies[key][1].under(model.operators.surfaces)
         return replace(contact, model=replace(model, operators=operators))
 
@@ -243,22 +280,24 @@ class Duty:
         Parameters:
             case: of this duty.
             contact: on the present profiles.
-            profiles: present ones.
+            profiles: present ones, also of rails that wear.
             starts: of its curves, by hand.
 
         Raises RunFailed that names the case.
         """
-        surfaces = {}
-        for side in SIDES:
-            name = self.profile_of(side, case.turned)
-            own = profiles[name]
-            surfaces[side] = WornSurface(name, own.grid, own.place, laws(case.scene, side))
-        rates, after = MotionRates(surfaces, self.law), dict[str, CurveStart]()
+
+        def surface(name: str, side: Side) -> WornSurface:
+            return WornSurface(name, profiles[name].grid, profiles[name].place, laws(case.scene, side))
+
+        surfaces = {side: surface(self.profile_of(side, case.turned), side) for side in SIDES}
+        rails = {side: surface(name, side) for side, name in case.rails.items()}
+        rates, after = MotionRates(surfaces, self.law, rails), dict[str, CurveStart]()
         try:
             if case.table.steady is None:
                 self._run(case, contact, rates)
             else:
-                for hand in (1, -1) if case.table.both_hands and self.table.profiles == "sides" else (1,):
+                both = case.table.both_hands and self.table.profiles == "sides" and not case.rails
+                for hand in (1, -1) if both else (case.hand,):
                     after[str(hand)] = self._curve(case, contact, hand, rates, starts.get(str(hand)))
         except RunFailed as error:
             raise RunFailed(f"duty {case.name!r}: {error}") from None
@@ -266,7 +305,7 @@ class Duty:
             raise RunFailed(
                 f"duty {case.name!r}: {100 * rates.failed_share:.1f} % of the wheels have no contact result"
             )
-        return CaseRates(rates.mean, rates.failed_share, after)
+        return CaseRates(rates.mean, rates.mean_passage, rates.failed_share, after)
 
     def _curve(
         self, case: Case, contact: VehicleContact, hand: int, rates: MotionRates, start: CurveStart | None

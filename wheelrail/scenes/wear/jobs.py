@@ -56,7 +56,7 @@ class CaseJob:
 def rated(job: CaseJob) -> CaseRates:
     """Rates of a job, in a worker. Raises RunFailed that names the case."""
     duty = _duty(job.table, job.path)
-    unworn = duty.unworn()
+    unworn = duty.unworn() | {name: rail.profile for name, rail in duty.unworn_rails().items()}
     profiles = {name: replace(unworn[name], removed=removed) for name, removed in job.present.items()}
     same = {name for name, removed in job.renewed.items() if (removed == job.present[name]).all()}
     renewed = {

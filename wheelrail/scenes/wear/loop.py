@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
@@ -18,14 +18,23 @@ from wheelrail.contact.geometry.wheelset_conicity import difference_without_roll
 from wheelrail.contact.wear.strips import ProfileRates
 from wheelrail.scenes.builders.wheelset import rigid_wheelset
 from wheelrail.scenes.datasets.netcdf import read, write
-from wheelrail.scenes.datasets.wear import AMPLITUDE, joined, rate_values, state_values, step_dataset
+from wheelrail.scenes.datasets.wear import (
+    AMPLITUDE,
+    joined,
+    rail_rate_values,
+    rail_state_values,
+    rate_values,
+    state_values,
+    step_dataset,
+)
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.toml import read_text
 from wheelrail.scenes.wear.cases import CaseRates, CurveStart, Duty
 from wheelrail.scenes.wear.jobs import CaseJob, rates_of
+from wheelrail.scenes.wear.rails import rail_rates, stored_rail_rates
 from wheelrail.support.arrays import Array
 from wheelrail.support.plain_data import decode, encode
-from wheelrail.vehicle.wear.evolution import WearingProfile, wear_step
+from wheelrail.vehicle.wear.evolution import WearingProfile, WearingRail, wear_step
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -48,6 +57,7 @@ class WearState:
         distance: m.
         turned: number of reprofilings.
         solved: distances, m, of the last two steps with rates, at most, and the starts that they left.
+        rails: those that wear, by name.
         before: area rates (profiles, n) m of the step before; None at the start and after a reprofiling.
     """
 
@@ -55,6 +65,7 @@ class WearState:
     renewed: dict[str, WearingProfile]
     distance: float = 0.0
     turned: int = 0
+    rails: dict[str, WearingRail] = field(default_factory=dict)
     solved: tuple[tuple[float, Starts], ...] = ()
     before: Array | None = None
 
@@ -66,6 +77,11 @@ class WearState:
         (d0, first), (d1, last) = known
         part = (self.distance - d1) / (d1 - d0)
         return {hand: own.moved(part * (own.state - first[hand].state)) for hand, own in last.items()}
+
+    @property
+    def surfaces(self) -> dict[str, WearingProfile]:
+        """Profiles of wheels and rails by name."""
+        return self.profiles | {name: rail.profile for name, rail in self.rails.items()}
 
 
 class WearLoop:
@@ -130,8 +146,8 @@ class WearLoop:
         return self._unworn()
 
     def _unworn(self) -> WearState:
-        unworn = self.duty.unworn()
-        return WearState(unworn, unworn)
+        state = WearState(self.duty.unworn(), {}, rails=self.duty.unworn_rails())
+        return replace(state, renewed=state.surfaces)
 
     def _files(self) -> list[Path]:
         assert self.folder is not None
@@ -179,7 +195,8 @@ class WearLoop:
                 rates, starts = self._rated(state)
                 values |= rates
             values["seconds"] = perf_counter() - start
-            step = step_dataset(state.profiles, shares, values, attributes)
+            rails = {name: rail.profile for name, rail in state.rails.items()}
+            step = step_dataset(state.profiles, shares, values, attributes, rails)
             step = step.assign({STARTS: ("byte", np.frombuffer(encode(starts), np.uint8))})
             if self.folder is not None:
                 write(step, self.folder / STEPS / f"{len(self.steps):05d}.nc")
@@ -197,7 +214,9 @@ class WearLoop:
             conicity = float(wheelset_conicity(wheelset, np.array([AMPLITUDE]), difference_without_roll)[0])
         except ValueError:  # no contact on both sides
             conicity = np.nan
-        return state_values(state.profiles, self._measures(state), state.distance, conicity, state.turned)
+        wheels = state_values(state.profiles, self._measures(state), state.distance, conicity, state.turned)
+        passages = 0.0 if self.duty.table.rails is None else state.distance * self.duty.table.rails.passages
+        return wheels | rail_state_values({name: rail.profile for name, rail in state.rails.items()}, passages)
 
     def _measures(self, state: WearState) -> list[Any]:
         """Measures of each profile of a state."""
@@ -211,7 +230,9 @@ class WearLoop:
         """Values of the rates of all cases, and starts of the next solves of their curves."""
         cases = list(self._case_rates(state))
         starts = {case.name: rates.starts for case, rates in zip(self.duty.cases, cases, strict=True)}
-        _, values = rate_values(state.profiles, cases, [case.table.share for case in self.duty.cases])
+        shares = [case.table.share for case in self.duty.cases]
+        _, values = rate_values(state.profiles, cases, shares)
+        values |= rail_rate_values(rail_rates(state.rails, cases, shares).values())
         if state.before is not None:
             change = 0.5 * np.linalg.norm(values["area_rate"] - state.before, axis=1)
             size = np.linalg.norm(state.before, axis=1)
@@ -221,7 +242,7 @@ class WearLoop:
     def _case_rates(self, state: WearState) -> Iterator[CaseRates]:
         """Rates of the cases at a state, in their order."""
         words, done, cases = f"step {len(self.steps)}", state.distance / self.duty.table.until, self.duty.cases
-        profiles, renewed = state.profiles, state.renewed
+        profiles, renewed = state.surfaces, state.renewed
         if self.executor is not None:
             jobs = [
                 CaseJob.of(self.duty, number, profiles, renewed, state.starts(case.name))
@@ -240,24 +261,39 @@ class WearLoop:
         """The state after a step with given rates."""
         table = self.duty.table
         rates = {name: _rates(step, number) for number, name in enumerate(state.profiles)}
+        rail_rates = stored_rail_rates(state.rails, step)
+        longest = min(table.step, table.until - state.distance)
+        if table.rails is not None:
+            passages = min(rail.passages(rail_rates[name], table.rails.depth) for name, rail in state.rails.items())
+            longest = min(longest, passages / table.rails.passages)
         steps = wear_step(
             state.profiles,
             rates,
             modulus=self.duty.modulus,
             depth=table.depth,
-            distance=min(table.step, table.until - state.distance),
+            distance=longest,
         )
         distance = next(iter(steps.values())).distance
         profiles = {name: own.after(steps[name]) for name, own in state.profiles.items()}
         reached = state.distance + distance
         if table.until - reached < ROUNDING * table.until:
             reached = table.until
-        after = replace(state, profiles=profiles, distance=reached, before=step["area_rate"].values)
+        rails = {}
+        if table.rails is not None:
+            depth = 0.0 if reached == table.until else table.rails.depth
+            rails = {
+                name: rail.after(
+                    rail_rates[name], distance * table.rails.passages, modulus=self.duty.modulus, depth=depth
+                )
+                for name, rail in state.rails.items()
+            }
+        after = replace(state, profiles=profiles, rails=rails, distance=reached, before=step["area_rate"].values)
         if table.reprofile is not None and self._worn_out(after):
             unworn = self.duty.unworn()
-            return replace(after, profiles=unworn, renewed=unworn, turned=state.turned + 1, solved=(), before=None)
-        depth = max(float(np.max(own.depth - state.renewed[name].depth)) for name, own in profiles.items())
-        return replace(after, renewed=profiles) if depth > table.renew else after
+            after = replace(after, profiles=unworn, turned=state.turned + 1, solved=(), before=None)
+            return replace(after, renewed=after.surfaces)
+        depth = max(float(np.max(own.depth - state.renewed[name].depth)) for name, own in after.surfaces.items())
+        return replace(after, renewed=after.surfaces) if depth > table.renew else after
 
     def _worn_out(self, state: WearState) -> bool:
         """Whether a measure is beyond its limit."""
@@ -275,7 +311,4 @@ class WearLoop:
 def _rates(step: Dataset, number: int) -> ProfileRates:
     """Removed sections and pressures of the number-th profile, for the next step; other rates are NaN."""
     removed, pressed = (step[name].values[number] for name in ("area_rate", "pressed_rate"))
-    nothing = np.full(len(removed), np.nan)
-    outside = float(step["outside_rate"].values[number])
-    traction = np.full((len(removed), 2), np.nan)
-    return ProfileRates(removed, pressed, nothing, nothing, nothing, nothing, traction, outside, np.nan, np.nan)
+    return ProfileRates.of_sections(removed, pressed, float(step["outside_rate"].values[number]))

@@ -83,8 +83,10 @@ def _written(data: Dataset, folder: Path) -> Iterator[Path]:
     yield folder / RESULTS
     for name, draw in PICTURES.items():
         with styled():
-            save(draw(data, None), folder / f"{name}.png")
-        yield folder / f"{name}.png"
+            figure = draw(data, None)
+            if figure is not None:
+                save(figure, folder / f"{name}.png")
+                yield folder / f"{name}.png"
 
 
 @contextmanager

@@ -26,6 +26,7 @@ TITLED = "steady.curvature", "steady.speed"  # told by the title of a case witho
 RemovedDepth = Annotated[q.Finite, q.Range(1e-6, 2e-3, "m", "0.05 mm is 5e-5")]
 Travel = Annotated[q.Finite, q.Range(1.0, 1e10, "m", "100 000 km is 1e8")]
 LongestStep = Annotated[float, Strict(), AllowInfNan(True), q.Range(1.0, inf, "m", "1000 km is 1e6")]
+Passages = Annotated[q.Finite, q.Range(1e-9, 1e3, "1/m", "of wheelsets, per m of the vehicle's distance")]
 Interval = Annotated[q.Finite, q.Range(1e-2, 1e3, "m", "between rows of runs")]
 Measure = Annotated[q.Finite, q.Range(0.0, 0.1, "m", "26 mm is 26e-3")]
 Share = Annotated[q.Finite, q.Range(1e-6, 1.0, hint="of the distance")]
@@ -139,6 +140,13 @@ class ReprofileTable(SceneTable):
     hollow: Measure | None = None
 
 
+class RailTable(SceneTable):
+    """Wear of the rails. passages: of wheelsets over a place, per m that the vehicle travels. depth: of a step, m."""
+
+    passages: Passages
+    depth: RemovedDepth = 5e-5
+
+
 class WearTable(SceneTable):
     """Wear of the wheel profiles of a vehicle.
 
@@ -147,7 +155,7 @@ class WearTable(SceneTable):
     distance, m. depth: largest of a step, m. step: its longest distance, m. profiles: "one" for all wheels, or one
     for each of the "sides". turned: whether the vehicle runs half of each case turned end for end. interval:
     between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn profile.
-    reprofile: limits of measures.
+    reprofile: limits of measures. rails: their wear; none by default.
     """
 
     kind: Literal["wear"] = "wear"
@@ -162,6 +170,7 @@ class WearTable(SceneTable):
     interval: Interval = 2.0
     renew: RemovedDepth = 5e-4
     reprofile: ReprofileTable | None = None
+    rails: RailTable | None = None
     duty: Annotated[tuple[DutyTable, ...], Strict(False), Field(min_length=1)]
 
     @field_validator("scene", "vehicle")

@@ -18,12 +18,14 @@ MOST = 12  # rows of steps
 SEVERE, CHANGING = 0.01, 0.1  # shares of the severe branch and of the error of a step that are told
 GROOVE, NARROW = 10e-3, 0.8  # m, width of a groove, and share of a case's wear in a groove
 NAMES = ("distance", "depth", "Sh", "Sd", "qR", "hollow", "removed_section", "conicity", "step_error")
+RAIL_MEASURES = ("W1", "W3", "rail_section")
 SHOWN = ("Sh", "Sd", "qR", "hollow", "removed_section")
 
 
 def tables(data: Dataset) -> list[ResultTable]:
     """Tables of a Dataset of `wheelrail.scenes.datasets.wear`."""
-    return [_steps(data, number) for number in range(data.sizes["profile"])] + [_cases(data)]
+    wheels = [_steps(data, number) for number in range(data.sizes["profile"])]
+    return [*wheels, *([_rails(data)] if "rail" in data.dims else []), _cases(data)]
 
 
 def remarks(data: Dataset) -> list[str]:
@@ -70,6 +72,26 @@ def _steps(data: Dataset, number: int) -> ResultTable:
     ]
     title = f"Wear of the profile {data['profile'].values[number]!r} over the distance"
     return ResultTable("steps", title, columns, rows)
+
+
+def _rails(data: Dataset) -> ResultTable:
+    """Rails at the last step."""
+    last = data.isel(step=-1)
+    rows = [
+        {
+            "rail": str(name),
+            "depth": float(np.nanmax(last["rail_depth"].values[k])),
+            **{key: float(last[key].values[k]) for key in RAIL_MEASURES},
+        }
+        for k, name in enumerate(data["rail"].values)
+    ]
+    columns = [
+        Column("rail", "rail", itemgetter("rail")),
+        Column.showing(WEAR["rail_depth"], itemgetter("depth"), "rail_depth"),
+        *(Column.showing(WEAR[name], itemgetter(name), name) for name in RAIL_MEASURES),
+    ]
+    passages = float(last["passages"].values)
+    return ResultTable("rails", f"Wear of the rails after {passages:.4g} wheelsets", columns, rows)
 
 
 def _cases(data: Dataset) -> ResultTable:
