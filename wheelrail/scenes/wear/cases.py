@@ -66,9 +66,7 @@ class CurveStart:
 
 @dataclass(frozen=True)
 class CaseRates:
-    """Mean rates of the wheels of a case by profile, those of a passage by rail, share of wheels without a result,
-    starts of the next solves by hand.
-    """
+    """Mean rates of a case by profile, and of a passage by rail; share of failed wheels; next starts by hand."""
 
     mean: Mapping[str, ProfileRates]
     mean_passage: Mapping[str, ProfileRates]
