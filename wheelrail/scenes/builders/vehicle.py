@@ -81,8 +81,8 @@ def vehicle_on(scene: RunScene, file: Path | None = None) -> Vehicle:
         scene: of the run.
         file: vehicle file; None: the plane wagon of the scene.
 
-    Raises SceneError, also for wheels of another radius than those of the scene, and for wheelsets that the vehicle does
-    not have.
+    Raises SceneError, also for wheels of another radius than those of the scene, and for wheelsets that are not of the
+    vehicle.
     """
     if file is None:
         from wheelrail.vehicle.multibody.plane_wagon import plane_vehicle
