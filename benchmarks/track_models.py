@@ -61,7 +61,7 @@ def reduced_beam() -> CoRunningTrack:
         k,
         np.full(2, pads),
         np.full(2, ballast),
-        sleepers,
+        np.full(2, sleepers),
         compliance,
         RAIL * compliance**2,
         pads * compliance**2,

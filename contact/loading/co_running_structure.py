@@ -11,7 +11,7 @@ so that no speed is needed; where sleepers are spread along the rail, p are the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -20,7 +20,7 @@ from scipy.linalg import block_diag
 
 from wheelrail.contact.loading.flexible_state import MOTIONS
 from wheelrail.contact.loading.structure import Structure
-from wheelrail.contact.structure.ballast import CoRunningTrack
+from wheelrail.contact.structure.ballast import CoRunningTrack, of_both_sides
 from wheelrail.support.arrays import Array
 
 HUBS, RAILS, SLEEPERS = 12, 6, 4  # motions of both sides
@@ -35,10 +35,13 @@ class CoRunningStructure(Structure):
     foot, the right ones mirrored, then reduced momenta of rails and sleepers, m/s and rad/s.
 
     Parameters:
-        tracks: under the left and the right wheel, as left-hand ones, at any place.
+        tracks: under the left and the right wheel, as left-hand ones, at any place; on rigid sleepers those under loads
+            to the same side.
+        mirrored_tracks: on rigid sleepers, those under loads that are mirror images; None: sides are independent.
     """
 
     tracks: tuple[CoRunningTrack, CoRunningTrack] = field(kw_only=True)
+    mirrored_tracks: tuple[CoRunningTrack, CoRunningTrack] | None = field(default=None, kw_only=True)
 
     @property
     def size(self) -> int:
@@ -108,7 +111,7 @@ class CoRunningStructure(Structure):
 
     @cached_property
     def _mean_mass(self) -> Array:
-        return _both(self.tracks, "mass")
+        return self._both(lambda track: track.mass)
 
     @cached_property
     def _stiffness(self) -> Array:
@@ -120,15 +123,15 @@ class CoRunningStructure(Structure):
 
     def _here(self, name: str) -> Array:
         """Matrix (10, 10) of both tracks at this place, rails first."""
-        return _both([track.at(self.pairs.flexibility.place) for track in self.tracks], name)
+        return self._both(lambda track: getattr(track.at(self.pairs.flexibility.place), name))
 
     def _slope(self, name: str) -> Array:
         """Derivative (10, 10) of a matrix of both tracks by the distance along the track, per m."""
-        return _both([track.slope(self.pairs.flexibility.place) for track in self.tracks], name)
+        return self._both(lambda track: getattr(track.slope(self.pairs.flexibility.place), name))
 
-
-def _both(tracks: Sequence[CoRunningTrack], name: str) -> Array:
-    """Matrix (10, 10) of both tracks, rails first."""
-    out = np.zeros((TRACK, TRACK))
-    out[np.ix_(BY_SIDE, BY_SIDE)] = block_diag(*(getattr(track, name) for track in tracks))
-    return out
+    def _both(self, value: Callable[[CoRunningTrack], Array]) -> Array:
+        """Matrix (10, 10) of both tracks, rails first, of values (5, 5) of one."""
+        same, mirrored = ([value(t) for t in own] if own else None for own in (self.tracks, self.mirrored_tracks))
+        out = np.zeros((TRACK, TRACK))
+        out[np.ix_(BY_SIDE, BY_SIDE)] = of_both_sides(same or (), mirrored)
+        return out

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +13,7 @@ from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.loading.flexible_state import FlexibleState
 from wheelrail.contact.loading.flexible_wheelset import Flexibility, by_unknowns
 from wheelrail.contact.loading.moved_pair import COORDINATES, MovedPair
-from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.contact.solvers.tangent import MIRRORED
@@ -80,6 +81,15 @@ class FlexibleContact(VehicleContact):
         """Pairs of both sides."""
         left, right = (self.contact.of(side).mounting for side in SIDES)
         return FlexiblePairs((left, right), self.flexibility)
+
+    @property
+    def model(self) -> ContactModel:
+        """Contact model of the left-hand pair."""
+        return self.contact.model
+
+    def changed(self, change: Callable[[ContactModel], ContactModel]) -> FlexibleContact:
+        """The contact with the models of both sides changed by a function."""
+        return replace(self, contact=self.contact.changed(change))
 
     @property
     def concurrent(self) -> bool:

@@ -8,6 +8,7 @@ loads w on the hubs and l on the rails, which the contacts return with their der
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -24,6 +25,7 @@ from wheelrail.contact.loading.wheelset import lifted, penetration_of
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
+from wheelrail.contact.structure.ballast import of_both_sides
 from wheelrail.contact.structure.hubs import HubCompliance, about_hubs_line
 from wheelrail.contact.structure.pads import RailCompliance
 from wheelrail.contact.structure.rim import RimCompliance
@@ -54,11 +56,14 @@ class Flexibility:
         hubs: compliance of the hubs, or of the rims that a host moves; None: a rigid axle.
         rails: compliance of the left and of the right rail, as left-hand ones; None: clamped feet.
         place: distance of the wheels from a sleeper, m, where sleepers are discrete.
+        mirrored_rails: compliance under loads that are mirror images, where rigid sleepers join both rails, and `rails`
+            have that under loads to the same side. None: rails are independent.
     """
 
     hubs: HubCompliance | RimCompliance | None = None
     rails: tuple[RailCompliance, RailCompliance] | None = None
     place: float = 0.0
+    mirrored_rails: tuple[RailCompliance, RailCompliance] | None = None
 
     @property
     def rigid(self) -> bool:
@@ -71,10 +76,14 @@ class Flexibility:
         out = np.zeros((18, 18))
         if self.hubs is not None:
             out[:12, :12] = self.hubs.matrix
-        for index, rail in enumerate(self.rails or ()):
-            at = slice(12 + 3 * index, 15 + 3 * index)
-            out[at, at] = rail.at(self.place)
+        if self.rails is not None:
+            out[12:, 12:] = self._of_rails(lambda rail: rail.at(self.place))
         return out
+
+    def _of_rails(self, value: Callable[[RailCompliance], Array]) -> Array:
+        """Matrix (6, 6) of both rails, of values (3, 3) of one."""
+        same, mirrored = ([value(rail) for rail in own] if own else None for own in (self.rails, self.mirrored_rails))
+        return of_both_sides(same or (), mirrored)
 
     @property
     def varies(self) -> bool:
@@ -89,9 +98,8 @@ class Flexibility:
     def matrix_slope(self) -> Array:
         """Derivative (18, 18) of `matrix` by the place along the track, per m."""
         out = np.zeros((18, 18))
-        for index, rail in enumerate(self.rails or ()):
-            at = slice(12 + 3 * index, 15 + 3 * index)
-            out[at, at] = rail.slope(self.place)
+        if self.rails is not None:
+            out[12:, 12:] = self._of_rails(lambda rail: rail.slope(self.place))
         return out
 
     @cached_property

@@ -1,8 +1,9 @@
 """Track that moves along with a wheel: masses of rail and sleepers on pads and ballast, by Ritz's method.
 
-Sleepers on ballast are spread along the rail, a second layer under the pads. Shapes of the rail are its displacements
-under unit loads at rest, those of the sleepers their displacements under a lateral and a vertical load. With the
-motions q of the rail's section under the wheel (y, z, roll) and of the sleepers there (across, normal),
+Sleepers on ballast are spread along the rail, a second layer under the pads, as halves of their own under each rail or
+rigid across (`Ballast.rigid`). Shapes of the rail are its displacements under unit loads at rest, those of the sleepers
+their displacements under a lateral and a vertical load. With the motions q of the rail's section under the wheel (y, z,
+roll) and of the sleepers there (across, normal),
 
     M q'' + D q' + K q = (l, 0)
 
@@ -14,10 +15,12 @@ below the speed of bending waves, some hundred metres per second. At discrete sl
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import block_diag
 
 from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadrature
 from wheelrail.contact.laws.material import Material
@@ -37,6 +40,8 @@ from wheelrail.meshes.bodies.solids import section
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cached
 
+HELD = 1e12  # N/m, in place of the lateral stiffness of ballast where a sleeper cannot move
+
 
 @dataclass(frozen=True)
 class Ballast:
@@ -49,6 +54,7 @@ class Ballast:
         vertical, lateral: stiffness of the ballast under it, N/m.
         pad_damping: of one pad, vertical, N s/m.
         damping: of the ballast under half a sleeper, vertical, N s/m.
+        inertia: of the sleepers' motion normal to the foot, over their mass.
 
     Raises ValueError unless all are positive.
     """
@@ -58,11 +64,31 @@ class Ballast:
     lateral: float = 40e6
     pad_damping: float = 30e3
     damping: float = 60e3
+    inertia: float = 1.0
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():
             if not 0.0 < value < np.inf:
                 raise ValueError(f"{name} = {value}: must be positive and finite")
+
+    def rigid(self, length: float, rail_y: float) -> tuple[Ballast, Ballast]:
+        """Layers of one rail on rigid sleepers under loads of both rails to the same side, and under mirrored loads.
+
+        Parameters:
+            length: of the sleepers, m, over which mass and ballast are uniform.
+            rail_y: half the distance of the rails, m.
+
+        Under vertical loads of opposite signs a sleeper rolls, with L^2 / (12 y^2) of its mass and its ballast at the
+        rails. Mirrored loads do not move it across.
+        """
+        roll = length**2 / (12.0 * rail_y**2)
+        rolling = replace(self, vertical=roll * self.vertical, damping=roll * self.damping, inertia=roll * self.inertia)
+        return rolling, replace(self, lateral=HELD)
+
+    @property
+    def masses(self) -> Array:
+        """Inertia (2,) kg of half a sleeper across and normal to the foot."""
+        return self.sleeper_mass * np.array([1.0, self.inertia])
 
     def per_length(self, pads: RailPads) -> Array:
         """Stiffness (2,) N/m2 per length of rail, across and normal to the foot, at the spacing of the pads."""
@@ -80,7 +106,7 @@ class Layers:
     Parameters:
         k: (n,) 1/m, the first zero.
         pads, ballast: (2,) N/m2, stiffness of the layers across and normal to the foot.
-        sleepers: kg/m, mass of half the sleepers.
+        sleepers: (2,) kg/m, inertia of half the sleepers across and normal to the foot.
         compliance: (n, 3, 3), motion of the section beyond that of the rail clamped at its foot.
         inertia: (n, 3, 3), integral of density and squared displacements over the section.
         strain: (n, 3, 3), integral of the squared displacements of the foot with the stiffness of the pads.
@@ -90,7 +116,7 @@ class Layers:
     k: Array
     pads: Array
     ballast: Array
-    sleepers: float
+    sleepers: Array
     compliance: Array
     inertia: Array
     strain: Array
@@ -120,12 +146,12 @@ class LoadedTrack:
     coupling: Array
     squares: Array
 
-    def reduced(self, pads: Array, ballast: Array, sleepers: float) -> Array:
+    def reduced(self, pads: Array, ballast: Array, sleepers: Array) -> Array:
         """Matrices (4, 5, 5) of Ritz's method: mass, and stiffness of pads, of ballast, and of the rail.
 
         Parameters:
             pads, ballast: (2,) N/m2, stiffness of the layers per length, across and normal to the foot.
-            sleepers: mass per length, kg/m.
+            sleepers: (2,) kg/m, inertia per length across and normal to the foot.
         """
         loads = np.linalg.inv(self.compliance)
         mass, by_pads, by_ballast, rest = out = np.zeros((4, 5, 5))
@@ -209,6 +235,20 @@ class CoRunningTrack:
         return np.asarray(np.linalg.inv(dynamic)[:3, :3])
 
 
+def of_both_sides(same: Sequence[Array], mirrored: Sequence[Array] | None) -> Array:
+    """Matrix (2 n, 2 n) of both sides as left-hand ones, each (n, n).
+
+    Parameters:
+        same: of the left and the right side under loads to the same side.
+        mirrored: under loads that are mirror images; None: the sides are independent.
+    """
+    if mirrored is None:
+        return np.asarray(block_diag(*same))
+    across = 0.25 * sum(s - a for s, a in zip(mirrored, same, strict=True))
+    left, right = (0.5 * (s + a) for s, a in zip(mirrored, same, strict=True))
+    return np.block([[left, across], [across, right]])
+
+
 def co_running(layers: Layers, rail: RailCompliance, times: tuple[float, float]) -> CoRunningTrack:
     """Ritz's reduction of a rail on two layers.
 
@@ -247,7 +287,7 @@ def co_running_track(outline: Outline, steel: Material, pads: RailPads, ballast:
         wavenumber_samples(),
         np.array(pads.per_length[1:]),
         per_length,
-        ballast.sleeper_mass / pads.spacing,
+        ballast.masses / pads.spacing,
         *(stored[name] for name in names[:4]),
     )
     matrix = layers.along(layers.compliance)

@@ -51,13 +51,13 @@ def sleeper_track(
     """
     per_length, length = ballast.per_length(pads), checked_length(length, pads)
     inputs = {"span": (pads.spacing, length, DEGREE, HARMONICS), "ballast": per_length.tolist()}
-    key = rail_key("sleepers on ballast", outline, steel, pads, mass=ballast.sleeper_mass, **inputs)
+    key = rail_key("sleepers on ballast", outline, steel, pads, mass=ballast.masses.tolist(), **inputs)
     spread = rail_compliance(outline, steel, pads)
 
     def harmonics() -> dict[str, Array]:
         span = Span(spread_support(outline, steel, pads), pads.spacing, length, per_length)
         loaded = loaded_tracks(span, span.places(HARMONICS), spread.matrix)
-        layers = np.array(pads.per_length[1:]), per_length, ballast.sleeper_mass / pads.spacing
+        layers = np.array(pads.per_length[1:]), per_length, ballast.masses / pads.spacing
         return {
             "compliance": cosines(np.stack([track.compliance for track in loaded])),
             "matrices": cosines(np.stack([track.reduced(*layers) for track in loaded])),

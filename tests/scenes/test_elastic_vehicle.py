@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,8 @@ from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.equilibrium import equilibrium
+from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -81,6 +84,36 @@ def test_one_structure_serves_equal_wheelsets() -> None:
 def test_refuses_what_does_not_fit(keys: str, reason: str) -> None:
     with pytest.raises(SceneError, match=reason):
         scene(keys)
+
+
+STANDARD = (SCENES / "vehicle.toml").read_text()
+
+
+@pytest.mark.parametrize("key", ['normal = "hertz"', 'tangential = "polach"', "falling = { share = 0.5, rate = 0.1 }"])
+def test_standard_contact_needs_derivatives_on_elastic_track(key: str) -> None:
+    assert parse_scene(STANDARD + "[track.pads]\n", SCENES / "scene.toml").model == "standard"
+    with pytest.raises(SceneError, match=r"track\.pads.*derivatives"):
+        parse_scene(f"{key}\n{STANDARD}[track.pads]\n", SCENES / "scene.toml")
+
+
+def test_standard_contact_on_elastic_axle_and_track() -> None:
+    """The wheels carry the vehicle, which sinks by its track; mirrored curves have mirrored forces."""
+    own = parse_scene(STANDARD + "[track.pads]\n[track.ballast]\n[wheelset.axle]\n", SCENES / "scene.toml")
+    assert isinstance(own, RunScene)
+    vehicle = vehicle_on(own, FILE)
+    contact, structures = run_contact(own, vehicle.wheelsets)
+    dynamics = VehicleDynamics(vehicle, Track(), contact, 25.0, structures)
+    curves = [replace(dynamics, track=ConstantCurve(25.0, k, 0.1, 1.5).track) for k in (1 / 600, -1 / 600)]
+    left, right = (equilibrium(curve) for curve in curves)
+    forces = {name: (sides["left"].force, sides["right"].force) for name, sides in left.contacts.items()}
+    for name, sides in right.contacts.items():
+        np.testing.assert_allclose(sides["left"].force * [1, -1, 1], forces[name][1], rtol=1e-6, atol=1e-2)
+    wheelset = [dynamics.coordinates.index("wheelset_1", k) for k in (1, 2)]
+    assert 1e3 * left.state[wheelset[0]] == pytest.approx(-7.3, abs=0.2)
+    straight = equilibrium(dynamics)
+    assert 1e3 * straight.state[wheelset[1]] == pytest.approx(-0.76, abs=0.03)  # as with elastic contact
+    load = sum(result.force[2] for sides in straight.contacts.values() for result in sides.values())
+    assert load == pytest.approx(8 * vehicle.mean_wheel_load, abs=1.0)
 
 
 def test_wheelsets_are_those_of_the_vehicle() -> None:

@@ -10,6 +10,8 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.loading.flexible_contact import FlexibleContact
+from wheelrail.contact.loading.flexible_wheelset import Flexibility
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
@@ -53,6 +55,15 @@ def test_places_of_both_sides() -> None:
         model = moved.of(side).model
         assert isinstance(model, LatticeContact)
         assert model.offset == 0.5
+
+
+def test_places_under_moving_hubs_and_rails() -> None:
+    moving = FlexibleContact(contact(6), Flexibility())
+    _, moved = at_places(moving, 2)
+    assert isinstance(moved, FlexibleContact)
+    assert isinstance(moved.model, LatticeContact)
+    assert moved.model.offset == 0.5
+    assert moved.flexibility is moving.flexibility
 
 
 def test_a_contact_without_strips_has_one_place() -> None:

@@ -9,12 +9,20 @@ import numpy as np
 import pytest
 
 from wheelrail.contact.laws.material import Material
-from wheelrail.contact.structure.ballast import Ballast, CoRunningTrack, Layers, co_running, co_running_track
+from wheelrail.contact.structure.ballast import (
+    Ballast,
+    CoRunningTrack,
+    Layers,
+    co_running,
+    co_running_track,
+    of_both_sides,
+)
 from wheelrail.contact.structure.pads import RailCompliance, RailPads, rail_compliance, wavenumber_samples
 from wheelrail.meshes.bodies.outlines import rail_outline
 from wheelrail.meshes.profiles.named import named_profile
 
 BENDING, RAIL, SPACING = 2.1e11 * 3038.3e-8, 7850 * 76.70e-4, 0.6  # N m2, kg/m, m: 60E1
+ACROSS = 2.1e11 * 512.3e-8  # N m2, of bending across
 PADS, BALLAST = RailPads(), Ballast()
 PAD, BED, SLEEPERS = 100e6 / SPACING, 80e6 / SPACING, 150.0 / SPACING  # N/m2, kg/m
 TIMES = 30e3 / 100e6, 60e3 / 80e6  # s
@@ -37,7 +45,7 @@ def reduced_beam() -> CoRunningTrack:
     inertia, squared = RAIL * compliance**2, compliance**2
     strain = PAD * squared
     both = np.full(2, PAD), np.full(2, BED)
-    layers = Layers(k, *both, SLEEPERS, compliance, inertia, strain, foot)
+    layers = Layers(k, *both, np.full(2, SLEEPERS), compliance, inertia, strain, foot)
     matrix = layers.along(compliance)
     return co_running(layers, RailCompliance(matrix, np.zeros(2), 0.0), TIMES)
 
@@ -106,3 +114,40 @@ def test_rail_on_ballast_is_near_a_beam_in_shear() -> None:
 def test_refuses_what_is_not_positive(name: str) -> None:
     with pytest.raises(ValueError, match=name):
         Ballast(**{name: 0.0})
+
+
+def lateral_beam(ballast: Ballast) -> CoRunningTrack:
+    """Euler beams with the lateral bending stiffness of a rail, in all directions."""
+    k, pads, bed = wavenumber_samples(), np.array(PADS.per_length[1:]), ballast.per_length(PADS)
+    flexibility = 1 / (ACROSS * k[:, None] ** 4 + pads * bed / (pads + bed))
+    compliance = flexibility[:, [0, 1, 1], None] * np.eye(3)
+    strain = pads[[0, 1, 1], None] * compliance**2
+    layers = Layers(k, pads, bed, ballast.masses / SPACING, compliance, RAIL * compliance**2, strain, compliance[:, :2])
+    return co_running(layers, RailCompliance(layers.along(compliance), np.zeros(2), 0.0), TIMES)
+
+
+def test_rigid_sleepers_hold_the_gauge_as_in_closed_form() -> None:
+    same, mirrored = (lateral_beam(own) for own in BALLAST.rigid(2.6, 0.75))
+    stiffness = of_both_sides([same.stiffness] * 2, [mirrored.stiffness] * 2)
+    left, right = 9750.0, 12910.0  # N outwards
+    moved = np.linalg.solve(stiffness, [left, 0, 0, 0, 0, right, 0, 0, 0, 0])
+
+    def compliance(layer: float) -> float:
+        return float(1 / (2 * np.sqrt(2) * ACROSS**0.25 * layer**0.75))
+
+    pads, bed = (stiffness / SPACING for stiffness in (PADS.lateral, BALLAST.lateral))
+    held, free = compliance(pads), compliance(pads * bed / (pads + bed))
+    assert moved[0] + moved[5] == pytest.approx(held * (left + right), rel=1e-4)  # 0.337 mm, 0.567 mm on halves
+    assert moved[0] - moved[5] == pytest.approx(free * (left - right), rel=1e-4)
+    assert moved[3] == pytest.approx(-moved[8], rel=1e-3)  # the sleeper moves across as a whole
+    assert abs(moved[3]) > 1e-5
+
+
+def test_sleepers_of_a_length_roll_as_halves_do() -> None:
+    """A uniform sleeper of sqrt(12) y has the inertia of halves under the rails, and the same stiffness of ballast."""
+    rolling, _ = BALLAST.rigid(np.sqrt(12.0) * 0.75, 0.75)
+    assert rolling.inertia == pytest.approx(1.0, rel=1e-15)
+    assert rolling.vertical == pytest.approx(BALLAST.vertical, rel=1e-15)
+    shorter, _ = BALLAST.rigid(2.4, 0.75)
+    assert shorter.inertia == pytest.approx(2.4**2 / 6.75)
+    assert shorter.times(PADS) == pytest.approx(BALLAST.times(PADS))

@@ -119,9 +119,9 @@ def _structure(scene: RunScene, profiles: SideProfiles, pairs: FlexiblePairs) ->
         return None
     if scene.track.ballast is None:
         return QuasiStaticStructure(pairs)
-    left = _track_with_mass(scene, profiles["left"])
-    right = left if scene.sides_alike else _track_with_mass(scene, profiles["right"])
-    return CoRunningStructure(pairs, tracks=(left, right))
+    tracks, mirrored = _with_mass(scene, profiles)
+    assert tracks is not None
+    return CoRunningStructure(pairs, tracks=tracks, mirrored_tracks=mirrored)
 
 
 def element_contact(
@@ -201,22 +201,25 @@ def flexibility(scene: OnRails, profiles: SideProfiles) -> Flexibility:
     from wheelrail.contact.structure.sleepers import sleeper_compliance
     from wheelrail.meshes.bodies.outlines import rail_outline
 
-    rails, steel, pads, sleepers = None, material(scene), scene.track.pads, scene.track.sleepers
+    rails: tuple[RailCompliance, RailCompliance] | None = None
+    mirrored: tuple[RailCompliance, RailCompliance] | None = None
+    steel, pads, sleepers = material(scene), scene.track.pads, scene.track.sleepers
     if pads is not None:
         supports = _pads(pads)
 
         def on_pads(side: Side) -> RailCompliance:
             outline = rail_outline(profiles[side][1])
-            if scene.track.ballast is not None:
-                return _track_with_mass(scene, profiles[side]).rail
             if sleepers is None:
                 return rail_compliance(outline, steel, supports)
             return sleeper_compliance(outline, steel, supports, sleepers.length)
 
-        left = on_pads("left")
-        rails = left, left if scene.sides_alike else on_pads("right")
+        if scene.track.ballast is not None:
+            rails, mirrored = (tracks and (tracks[0].rail, tracks[1].rail) for tracks in _with_mass(scene, profiles))
+        else:
+            left = on_pads("left")
+            rails = left, left if scene.sides_alike else on_pads("right")
     hubs = None if scene.wheelset.axle is None else _hubs(scene, profiles["left"])
-    return Flexibility(hubs, rails, 0.0 if sleepers is None else sleepers.position)
+    return Flexibility(hubs, rails, 0.0 if sleepers is None else sleepers.position, mirrored)
 
 
 def _pads(table: PadsTable) -> RailPads:
@@ -226,8 +229,10 @@ def _pads(table: PadsTable) -> RailPads:
     return RailPads(table.vertical, table.lateral, table.longitudinal, table.spacing)
 
 
-def _track_with_mass(scene: OnRails, pair: tuple[Profile, Profile]) -> CoRunningTrack:
-    """Track under one wheel, with the masses of rail and sleepers."""
+def _with_mass(scene: OnRails, profiles: SideProfiles) -> list[tuple[CoRunningTrack, CoRunningTrack] | None]:
+    """Tracks under both wheels with the masses of rail and sleepers: under loads to the same side, and under mirrored
+    loads; None for the latter where both rails have sleepers of their own.
+    """
     from wheelrail.contact.structure.ballast import Ballast, co_running_track
     from wheelrail.contact.structure.ballasted_sleepers import sleeper_track
     from wheelrail.meshes.bodies.outlines import rail_outline
@@ -235,9 +240,19 @@ def _track_with_mass(scene: OnRails, pair: tuple[Profile, Profile]) -> CoRunning
     pads, table, sleepers = scene.track.pads, scene.track.ballast, scene.track.sleepers
     assert pads is not None
     assert table is not None
-    ballast = Ballast(table.sleeper_mass, table.vertical, table.lateral, table.pad_damping, table.damping)
-    layers = rail_outline(pair[1]), material(scene), _pads(pads), ballast
-    return co_running_track(*layers) if sleepers is None else sleeper_track(*layers, sleepers.length)
+    halves = Ballast(table.sleeper_mass, table.vertical, table.lateral, table.pad_damping, table.damping)
+
+    def on(side: Side, ballast: Ballast) -> CoRunningTrack:
+        layers = rail_outline(profiles[side][1]), material(scene), _pads(pads), ballast
+        return co_running_track(*layers) if sleepers is None else sleeper_track(*layers, sleepers.length)
+
+    def both(ballast: Ballast) -> tuple[CoRunningTrack, CoRunningTrack]:
+        left = on("left", ballast)
+        return left, left if scene.sides_alike else on("right", ballast)
+
+    if table.length == "halves":
+        return [both(halves), None]
+    return [both(ballast) for ballast in halves.rigid(table.length, mounted(scene, profiles["left"][1]).rail_y)]
 
 
 def _hubs(scene: OnRails, pair: tuple[Profile, Profile]) -> HubCompliance:

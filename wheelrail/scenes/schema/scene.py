@@ -238,12 +238,6 @@ class OnRails(Contact):
         """Whether the axle bends or the rails move on pads."""
         return self.wheelset.axle is not None or self.track.pads is not None
 
-    @model_validator(mode="after")
-    def _elastic_bodies(self) -> OnRails:
-        if self.is_flexible and not self.has_elements:
-            raise q.reject('allowed only with model = "condensed" or "full"', self._flexible_key)
-        return self
-
     @property
     def _flexible_key(self) -> str:
         """Key of an elastic axle, or of pads; that of all single wheelsets if neither has them."""
@@ -386,6 +380,8 @@ class WheelsetScene(OnRails, Solve):
         """Raises a validation error where an elastic axle or pads do not fit."""
         if not self.is_flexible:
             return
+        if not self.has_elements:
+            raise q.reject('allowed only with model = "condensed" or "full"', self._flexible_key)
         if len(self.sides) == 1:
             raise q.reject('must be ["left", "right"] with wheelset.axle or track.pads', "sides")
         if self.wheelset.wheel_load is not None and self.wheelset.roll != "solve":
@@ -506,9 +502,17 @@ class RunScene(OnRails):
 
     @model_validator(mode="after")
     def _flexible(self) -> RunScene:
-        if self.is_flexible and (self.model == "full" or self.discretisation.points != "lattice"):
+        if not self.is_flexible:
+            return self
+        if self.has_elements and (self.model == "full" or self.discretisation.points != "lattice"):
             allowed = 'allowed in a run only with points = "lattice", that is laws = "exact" and model = "condensed"'
             raise q.reject(allowed, self._flexible_key)
+        if self.model == "standard":
+            laws = [friction for name in SIDES if isinstance(friction := self.side(name).friction, FrictionTable)]
+            varies = self.falling is not None or any(table.law != "coulomb" for table in laws)
+            if self.normal == "hertz" or self.tangential == "polach" or varies:
+                allowed = 'allowed with model = "standard" only with "kik-piotrowski", "fastsim" and Coulomb friction'
+                raise q.reject(f"{allowed}, whose forces have derivatives", self._flexible_key)
         return self
 
     @model_validator(mode="after")

@@ -94,8 +94,8 @@ class SleepersTable(SceneTable):
 
 class BallastTable(SceneTable):
     """Sleepers that move on ballast: mass of half a sleeper, kg, vertical and lateral stiffness of the ballast under
-    it, N/m, and vertical damping of one pad and of the ballast under half a sleeper, N s/m. In a run rails and sleepers
-    have their masses.
+    it, N/m, vertical damping of one pad and of the ballast under half a sleeper, N s/m, and length of a sleeper, m. In
+    a run rails and sleepers have their masses.
     """
 
     sleeper_mass: q.SleeperMass = 150.0
@@ -103,6 +103,7 @@ class BallastTable(SceneTable):
     lateral: q.BallastStiffness = 40e6
     pad_damping: q.TrackDamping = 30e3
     damping: q.TrackDamping = 60e3
+    length: q.SleeperLength | Literal["halves"] = 2.6
 
 
 class ElasticAxleTable(SceneTable):
