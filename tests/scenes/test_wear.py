@@ -17,6 +17,7 @@ import wheelrail as wr
 from wheelrail.api.wear import Wear
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.html_report import write_report
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.wear.cases import Duty
 from wheelrail.scenes.wear.loop import WearLoop
@@ -280,6 +281,24 @@ def test_remarks_tell_what_limits_results(steps: tuple[Dataset, Path], tmp_path:
     assert "100 % of its wear lies in 10 mm: a groove" in "; ".join(remarks(narrow))
     straight = {"share": 1.0, "steady": {"curvature": 0.0, "speed": 30.0}}
     assert wear(straight, folder=tmp_path / "new", resume=True).attrs["status"] == "completed"
+
+
+def test_report(steps: tuple[Dataset, Path], tmp_path: Path) -> None:
+    """One page with tables, remarks and figures; results of something else are refused."""
+    _, folder = steps
+    page = write_report(folder, tmp_path / "wear.html").read_text(encoding="utf-8")
+    for text in (
+        "Wear of wheel profiles over 4000 km",
+        "completed",
+        "shorter steps (depth) may differ",
+        "branch above",
+    ):
+        assert text in page
+    assert page.count("<img") == 5
+    assert 'name = "usfd"' in page.replace("&#34;", '"')
+    Dataset({"a": 1.0}).to_netcdf(tmp_path / "wear.nc")
+    with pytest.raises(SceneError, match=r"wear\.nc: contains no results of wear"):
+        write_report(tmp_path)
 
 
 def test_python(steps: tuple[Dataset, Path]) -> None:

@@ -84,7 +84,7 @@ def report(folder: str | Path, file: str | Path | None = None, *, view: bool = T
     """Write a self-contained HTML report of a run, a study or a comparison; returns its path.
 
     Parameters:
-        folder: results of a run, a study or a comparison.
+        folder: results of a run, a study, wear or a comparison.
         file: the report; report.html in the folder by default.
         view: whether to include the interactive 3D view, some MB.
 

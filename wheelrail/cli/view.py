@@ -82,7 +82,7 @@ def report(
     folder: Annotated[
         Path,
         typer.Argument(
-            metavar="DIR", help="Folder with results of a run, a study or a comparison.", show_default=False
+            metavar="DIR", help="Folder with results of a run, a study, wear or a comparison.", show_default=False
         ),
     ],
     out: Annotated[

@@ -6,6 +6,7 @@ import os
 import platform
 import subprocess
 import sys
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.atomic_file import atomic_file
 from wheelrail.support.memory import TooLarge, check_memory
 from wheelrail.support.text_file import FileRefused, check_regular, present
+from wheelrail.support.version import commit, versions
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -29,6 +31,16 @@ PATIENCE, RATE = 30.0, 1e7  # s and bytes/s, of a trial
 def machine() -> str:
     """Architecture, number of cores and operating system."""
     return f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()} {platform.release()}"
+
+
+def provenance() -> dict[str, str]:
+    """Versions, commit, machine and time, as attributes of results."""
+    return {
+        "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
+        "commit": commit(),
+        "machine": machine(),
+        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
 
 
 def read(file: Path) -> Dataset:

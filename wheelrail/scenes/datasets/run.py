@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.loading.flexible_wheelset import MIRRORED_HUB, MIRRORED_RAIL
-from wheelrail.scenes.datasets.netcdf import machine
+from wheelrail.scenes.datasets.netcdf import provenance
 from wheelrail.scenes.datasets.patches import patch_variables
 from wheelrail.scenes.datasets.run_derived import guiding_variables, wear
 from wheelrail.scenes.datasets.run_file import FORM
 from wheelrail.scenes.quantities import AXES, EDGES, RUN, TURNS
 from wheelrail.scenes.quantity import filled
 from wheelrail.support.arrays import Array
-from wheelrail.support.version import commit, versions
 from wheelrail.vehicle.multibody.coordinates import YAW
 from wheelrail.vehicle.multibody.vehicle import COORDINATES
 from wheelrail.vehicle.track.irregularity import QUANTITIES
@@ -100,10 +98,7 @@ def _attributes(history: History, scene: str) -> dict[str, Any]:
         "steps_failed": steps.failed,
         "evaluations": steps.evaluations,
         "scene": scene,
-        "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
-        "commit": commit(),
-        "machine": machine(),
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        **provenance(),
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from wheelrail.support.arrays import Array
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.scenes.wear.cases import CaseRates
     from wheelrail.vehicle.wear.evolution import WearingProfile
 
 CELLS, BY_CASE, OF_PROFILE, OF_CASE = ("profile", "s"), ("case", "profile", "s"), ("profile",), ("case",)
@@ -76,6 +75,16 @@ WEAR: Schema = {
 MEASURES = ("Sh", "Sd", "qR", "hollow", "rolling_radius", "removed_section", "removed_mass")
 
 
+class RatedCase(Protocol):
+    """Mean rates of a case by profile, and the share of wheels without a result."""
+
+    @property
+    def mean(self) -> Mapping[str, ProfileRates]: ...
+
+    @property
+    def failed_share(self) -> float: ...
+
+
 def state_values(
     profiles: Mapping[str, WearingProfile], measures: Sequence[Any], distance: float, conicity: float, turned: int
 ) -> dict[str, Any]:
@@ -99,7 +108,7 @@ def state_values(
 
 
 def rate_values(
-    profiles: Mapping[str, WearingProfile], cases: Sequence[CaseRates], shares: Sequence[float]
+    profiles: Mapping[str, WearingProfile], cases: Sequence[RatedCase], shares: Sequence[float]
 ) -> tuple[dict[str, ProfileRates], dict[str, Any]]:
     """Rates of all cases by profile, and their values.
 

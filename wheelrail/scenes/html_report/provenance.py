@@ -43,3 +43,15 @@ def pictures(drawn: list[PagePicture | None], missing: str) -> list[Part]:
     """The figures that are not None, or a note with the text `missing`."""
     parts: list[Part] = [picture for picture in drawn if picture is not None]
     return parts or [PageNote(missing)]
+
+
+def toml_text(table: dict[str, Any]) -> str:
+    """Tables as TOML, without values that are None."""
+    import tomli_w
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: plain(item) for key, item in value.items() if item is not None}
+        return [plain(item) for item in value if item is not None] if isinstance(value, list) else value
+
+    return tomli_w.dumps(plain(table))

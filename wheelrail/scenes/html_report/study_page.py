@@ -11,7 +11,7 @@ import numpy as np
 
 from wheelrail.scenes.html_report.elements import Page, PageNote, PageSection, PageTable
 from wheelrail.scenes.html_report.figures import picture
-from wheelrail.scenes.html_report.provenance import origin, pictures, seconds
+from wheelrail.scenes.html_report.provenance import origin, pictures, seconds, toml_text
 from wheelrail.scenes.html_report.views import case
 from wheelrail.scenes.studies.convergence import errors_of
 from wheelrail.scenes.studies.plan import SAMPLE, shown
@@ -53,8 +53,8 @@ def study_page(data: Dataset, file: Path, *, view: bool = True) -> Page:
         well=not counts.keys() & {"failed", "not computed"},
         facts={**origin(data.attrs), "computing time": f"{seconds(spent)}, sum over cases", "results": file.name},
         sources={
-            "Study": _toml(_without_defaults(json.loads(data.attrs["study"]))),
-            "Scene": _toml(json.loads(data.attrs["scene"])),
+            "Study": toml_text(_without_defaults(json.loads(data.attrs["study"]))),
+            "Scene": toml_text(json.loads(data.attrs["scene"])),
         },
         sections=sections,
     )
@@ -109,14 +109,3 @@ def _without_defaults(study: dict[str, Any]) -> dict[str, Any]:
     """Non-default values; a scene in a table is shown separately."""
     values = {key: value for key, value in study.items() if value not in (None, {}, [], False)}
     return {key: value for key, value in values.items() if not (key == "scene" and isinstance(value, dict))}
-
-
-def _toml(table: dict[str, Any]) -> str:
-    import tomli_w
-
-    def plain(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: plain(item) for key, item in value.items() if item is not None}
-        return [plain(item) for item in value if item is not None] if isinstance(value, list) else value
-
-    return tomli_w.dumps(plain(table))

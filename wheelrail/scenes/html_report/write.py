@@ -12,17 +12,17 @@ from wheelrail.support.text_file import FileRefused, json_value, read_text
 if TYPE_CHECKING:
     from wheelrail.scenes.html_report.elements import Page
 
-RUN, STUDY, COMPARISON = "run.nc", "study.nc", "differences.json"
+RUN, STUDY, WEAR, COMPARISON = "run.nc", "study.nc", "wear.nc", "differences.json"
 ALLOWED = (
-    f"must be the folder of a run ({RUN}, by wheelrail run), of a study ({STUDY}, by wheelrail study), or of a "
-    f"comparison ({COMPARISON}, by wheelrail compare)"
+    f"must be the folder of a run ({RUN}, by wheelrail run), of a study ({STUDY}, by wheelrail study), of wear "
+    f"({WEAR}, by wheelrail wear), or of a comparison ({COMPARISON}, by wheelrail compare)"
 )
 PAGE = "report.html"
 MOST = 10.0  # MB, of the table of a comparison
 
 
 def write_report(folder: str | Path, file: str | Path | None = None, *, view: bool = True) -> Path:
-    """Write the self-contained HTML report of a run, a study or a comparison, atomically; returns its path.
+    """Write the self-contained HTML report of a run, a study, wear or a comparison, atomically; returns its path.
 
     Parameters:
         folder: of the results.
@@ -53,6 +53,11 @@ def page(folder: Path, *, view: bool = True) -> Page:
         from wheelrail.scenes.studies.results import read_study
 
         return study_page(read_study(folder / STUDY), folder / STUDY, view=view)
+    if (folder / WEAR).exists():
+        from wheelrail.scenes.datasets.netcdf import read
+        from wheelrail.scenes.html_report.wear_page import wear_page
+
+        return wear_page(read(folder / WEAR), folder / WEAR)
     if (folder / COMPARISON).exists():
         from wheelrail.scenes.datasets.run_file import read_run
         from wheelrail.scenes.html_report.comparison_page import comparison_page

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from concurrent.futures import Executor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass, field
-from datetime import UTC, datetime
 from operator import itemgetter
 from pathlib import Path
 from time import monotonic
@@ -128,8 +127,7 @@ def make_table(order: TableOrder, out: Path) -> Dataset:
     """
     from wheelrail.contact.tables.builder import NoSolution, TableBuilder
     from wheelrail.scenes.datasets.force_table import table_dataset
-    from wheelrail.scenes.datasets.netcdf import machine, write
-    from wheelrail.support.version import commit, versions
+    from wheelrail.scenes.datasets.netcdf import provenance, write
 
     order.check()
     profiles, start = side_profiles(order.scene), monotonic()
@@ -162,10 +160,7 @@ def make_table(order: TableOrder, out: Path) -> Dataset:
         "reached": int(all(own.rms <= order.tolerance for own in errors.values())),
         "seconds": monotonic() - start,
         "tasks": solved,
-        "versions": ", ".join(f"{name} {number}" for name, number in versions().items()),
-        "commit": commit(),
-        "machine": machine(),
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        **provenance(),
     }
     data = table_dataset(tables, errors, attributes)
     write(data, out)

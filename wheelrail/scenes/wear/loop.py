@@ -17,7 +17,7 @@ import numpy as np
 from wheelrail.contact.geometry.wheelset_conicity import difference_without_roll, wheelset_conicity
 from wheelrail.contact.wear.strips import ProfileRates
 from wheelrail.scenes.builders.wheelset import rigid_wheelset
-from wheelrail.scenes.datasets.netcdf import read, write
+from wheelrail.scenes.datasets.netcdf import provenance, read, write
 from wheelrail.scenes.datasets.wear import (
     AMPLITUDE,
     joined,
@@ -176,11 +176,15 @@ class WearLoop:
 
     def _run(self, state: WearState) -> None:
         """Steps from a state up to the end of the distance."""
-        until = self.duty.table.until
+        table, until = self.duty.table, self.duty.table.until
         shares = {case.name: case.table.share for case in self.duty.cases}
         law = self.duty.law
         attributes = {
+            **provenance(),
             "title": "Wear of wheel profiles",
+            "wear": json.dumps(self.duty.table.model_dump(exclude_defaults=True, exclude={"kind"})),
+            "scene": read_text(Path(table.scene)),
+            "vehicle": read_text(Path(table.vehicle)) if table.vehicle else "",
             "status": "running",
             "inputs": self.inputs,
             "law": json.dumps(self.duty.table.law),
@@ -232,7 +236,7 @@ class WearLoop:
         starts = {case.name: rates.starts for case, rates in zip(self.duty.cases, cases, strict=True)}
         shares = [case.table.share for case in self.duty.cases]
         _, values = rate_values(state.profiles, cases, shares)
-        values |= rail_rate_values(rail_rates(state.rails, cases, shares).values())
+        values |= rail_rate_values(rail_rates(state.rails, [case.mean_passage for case in cases], shares).values())
         if state.before is not None:
             change = 0.5 * np.linalg.norm(values["area_rate"] - state.before, axis=1)
             size = np.linalg.norm(state.before, axis=1)

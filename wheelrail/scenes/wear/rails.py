@@ -15,8 +15,6 @@ from wheelrail.vehicle.wear.evolution import WearingRail
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from wheelrail.scenes.wear.cases import CaseRates
-
 Rails = Mapping[str, WearingRail]  # by name
 
 
@@ -33,18 +31,19 @@ def rail_names(entry: str, table: DutyTable, hand: int = 1) -> dict[Side, str]:
     return {"left": f"{entry}, {left} rail", "right": f"{entry}, {right} rail"}
 
 
-def rail_rates(rails: Rails, cases: Sequence[CaseRates], shares: Sequence[float]) -> dict[str, ProfileRates]:
+def rail_rates(
+    rails: Rails, passages: Sequence[Mapping[str, ProfileRates]], shares: Sequence[float]
+) -> dict[str, ProfileRates]:
     """Rates of each rail per passage of a wheelset, mean of its cases.
 
     Parameters:
         rails: by name.
-        cases: rates.
+        passages: mean rates of the cases, by rail.
         shares: of the distance, of the cases.
     """
-    means = [(case.mean_passage, share) for case, share in zip(cases, shares, strict=True)]
     found = {}
     for name in rails:
-        own = [(rates[name], share) for rates, share in means if name in rates]
+        own = [(rates[name], share) for rates, share in zip(passages, shares, strict=True) if name in rates]
         whole = sum(share for _, share in own)
         found[name] = total([rates for rates, _ in own], [share / whole for _, share in own])
     return found
