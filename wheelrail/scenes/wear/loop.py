@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 STEPS, RESULTS = "steps", "wear.nc"  # folder of the steps in that of the results, and the whole
+TOGETHER = 0.5  # of the depth of a rail's step: rails that are due when another one reaches the whole
 ROUNDING = 1e-9  # of the whole distance: a rest that is none
 STARTS = "starts"  # of the curves of the next step, in the file of a step: bytes of plain data
 PACKAGES = ("wheelrail.bindings", "wheelrail.contact", "wheelrail.scenes.wear")  # of its classes
@@ -284,7 +285,8 @@ class WearLoop:
             reached = table.until
         rails = {}
         if table.rails is not None:
-            depth = 0.0 if reached == table.until else table.rails.depth
+            due = TOGETHER if distance * table.rails.passages > (1.0 - ROUNDING) * passages else 1.0
+            depth = 0.0 if reached == table.until else due * table.rails.depth
             rails = {
                 name: rail.after(
                     rail_rates[name], distance * table.rails.passages, modulus=self.duty.modulus, depth=depth
