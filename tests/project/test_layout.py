@@ -105,9 +105,9 @@ _SCENES = (
     "contacts",
     "plots",
     "runs",
-    "wear",
     "views",
     "studies",
+    "wear",
     "tables",
     "html_report",
 )

@@ -113,7 +113,7 @@ def _newton(
     acceptable: float,
     max_iterations: int,
 ) -> Equilibrium:
-    """Newton's method from one start, with contacts from results near it.
+    """Newton's method from one start, with contacts from nearby results.
 
     Raises EquilibriumError, or StepFailure when no step reduces the residual.
     """

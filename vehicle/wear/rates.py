@@ -32,6 +32,21 @@ class WornSurface:
     friction: ContactLaws | float
 
 
+@dataclass(frozen=True)
+class MeanRates:
+    """Mean rates of a motion.
+
+    Parameters:
+        wheels: by profile.
+        passages: of a wheel, by rail.
+        failed_share: of wheels without a result.
+    """
+
+    wheels: Mapping[str, ProfileRates]
+    passages: Mapping[str, ProfileRates]
+    failed_share: float
+
+
 @dataclass
 class MotionRates:
     """Rates of wheels and rails over the rows of a motion.
@@ -74,20 +89,13 @@ class MotionRates:
                 self.passages.setdefault(rail.profile, []).append((speed, profile_rates(strips, rail.grid, rail.place)))
 
     @property
-    def failed_share(self) -> float:
-        """Share of wheels without a result."""
+    def means(self) -> MeanRates:
+        """Mean rates of wheels and of passages."""
         solved = sum(map(len, self.wheels.values()))
-        return self.failed / max(self.failed + solved, 1)
-
-    @property
-    def mean(self) -> dict[str, ProfileRates]:
-        """Mean rates of the wheels by profile."""
-        return {name: _mean(rates) for name, rates in self.wheels.items()}
-
-    @property
-    def mean_passage(self) -> dict[str, ProfileRates]:
-        """Mean rates of the passages of a wheel by rail."""
-        return {name: _mean(rates) for name, rates in self.passages.items()}
+        wheels, passages = (
+            {name: _mean(rates) for name, rates in every.items()} for every in (self.wheels, self.passages)
+        )
+        return MeanRates(wheels, passages, self.failed / max(self.failed + solved, 1))
 
 
 def _mean(rates: Sequence[tuple[float, ProfileRates]]) -> ProfileRates:

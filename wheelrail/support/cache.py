@@ -113,7 +113,7 @@ def content_digest(name: str, arrays: Arrays) -> bytes:
 
 @contextmanager
 def unstored() -> Iterator[None]:
-    """No array that this process makes in the block is written, such as those of bodies that soon are others."""
+    """No array that this process makes in the block is written, such as of bodies that wear."""
     global _unstored
     _unstored += 1
     try:

@@ -312,7 +312,7 @@ def inclined_profiles(scene: OnRails, side: Side = "left") -> tuple[Profile, Pro
         raise SceneError(f"profiles: {error}") from error
 
 
-def wheel_scale(scene: WheelsetScene, load: float) -> float:
+def wheel_scale(scene: WheelsetScene | RunScene, load: float) -> float:
     """Initial guess of the approach for a wheel load N, m: that of a sphere of rail-head radius, R = 0.3 m."""
     from wheelrail.contact.loading.hertz import sphere_approach
 

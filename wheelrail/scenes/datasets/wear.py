@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.vehicle.wear.evolution import WearingProfile
+    from wheelrail.vehicle.wear.rates import MeanRates
 
 CELLS, BY_CASE, OF_PROFILE, OF_CASE = ("profile", "s"), ("case", "profile", "s"), ("profile",), ("case",)
 OF_RAIL, RAIL_CELLS = ("rail",), ("rail", "cell")
@@ -75,16 +76,6 @@ WEAR: Schema = {
 MEASURES = ("Sh", "Sd", "qR", "hollow", "rolling_radius", "removed_section", "removed_mass")
 
 
-class RatedCase(Protocol):
-    """Mean rates of a case by profile, and the share of wheels without a result."""
-
-    @property
-    def mean(self) -> Mapping[str, ProfileRates]: ...
-
-    @property
-    def failed_share(self) -> float: ...
-
-
 def state_values(
     profiles: Mapping[str, WearingProfile], measures: Sequence[Any], distance: float, conicity: float, turned: int
 ) -> dict[str, Any]:
@@ -108,7 +99,7 @@ def state_values(
 
 
 def rate_values(
-    profiles: Mapping[str, WearingProfile], cases: Sequence[RatedCase], shares: Sequence[float]
+    profiles: Mapping[str, WearingProfile], cases: Sequence[MeanRates], shares: Sequence[float]
 ) -> tuple[dict[str, ProfileRates], dict[str, Any]]:
     """Rates of all cases by profile, and their values.
 
@@ -117,7 +108,7 @@ def rate_values(
         cases: their rates.
         shares: of the distance.
     """
-    by_case = [case.mean for case in cases]
+    by_case = [case.wheels for case in cases]
     sums = {name: total([means[name] for means in by_case], shares) for name in profiles}
     width = np.array([own.width for own in profiles.values()])[:, None]
 

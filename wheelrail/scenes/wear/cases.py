@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.wear.law_tables import law_from
 from wheelrail.contact.wear.laws import WearLaw
-from wheelrail.contact.wear.strips import ProfileRates
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.builders.vehicle import applied_loads
@@ -26,6 +25,7 @@ from wheelrail.scenes.schema.edits import changed
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.scenes.wear.lifted import LiftedContact
 from wheelrail.scenes.wear.rails import rail_names
 from wheelrail.scenes.wear.schema import DutyTable, WearTable
 from wheelrail.support.arrays import Array
@@ -33,9 +33,10 @@ from wheelrail.support.cache import unstored
 from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.wear.evolution import WearingProfile, WearingRail
-from wheelrail.vehicle.wear.rates import MotionRates, WornSurface
+from wheelrail.vehicle.wear.rates import MeanRates, MotionRates, WornSurface
 
 if TYPE_CHECKING:
+    from wheelrail.contact.kinematics.wheelset_state import WheelsetState
     from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.contact.results.vehicle_contact import VehicleContact
@@ -66,25 +67,35 @@ class CurveStart:
 
 @dataclass(frozen=True)
 class CaseRates:
-    """Mean rates of a case by profile, and of a passage by rail; share of failed wheels; next starts by hand."""
+    """Rates of a case, and starts of its next solve by hand."""
 
-    mean: Mapping[str, ProfileRates]
-    mean_passage: Mapping[str, ProfileRates]
-    failed_share: float
+    rates: MeanRates
     starts: Mapping[str, CurveStart]
 
 
 @dataclass(frozen=True)
 class Case:
-    """A case of the duty with the scene of its run, or of the contact and track of its curve."""
+    """A case of the duty.
+
+    Parameters:
+        name: in tables and pictures.
+        table: of the wear file.
+        scene: of its run, or of the contact and track of its curve.
+        wearing: the same with the contact that wears.
+        vehicle: of the scene.
+        turned: whether the vehicle runs end for end, so that its left wheels are on the right.
+        hand: -1 where the curve is mirrored.
+        rails: names of those that wear, by side.
+    """
 
     name: str
     table: DutyTable
     scene: RunScene
+    wearing: RunScene
     vehicle: Vehicle
-    turned: bool = False  # end for end: its left wheels are on the right
-    hand: int = 1  # -1: the curve is mirrored
-    rails: Mapping[Side, str] = field(default_factory=dict)  # names of those that wear
+    turned: bool = False
+    hand: int = 1
+    rails: Mapping[Side, str] = field(default_factory=dict)
 
     @cached_property
     def new_profiles(self) -> SideProfiles:
@@ -94,9 +105,30 @@ class Case:
     @cached_property
     def contact_key(self) -> str:
         """Text that is equal for cases whose contacts are equal."""
-        keys = self.scene.model_dump(exclude={"track", "vehicle", "solver", "output", "kick", "force", "torque"})
-        track = self.scene.track.model_dump(include={"gauge", "gauge_height"})
-        return json.dumps([keys, track, self.turned, self.rails], default=str, sort_keys=True)
+        return json.dumps([_contact_keys(self.scene), _contact_keys(self.wearing), self.turned, self.rails])
+
+    @property
+    def is_lifted(self) -> bool:
+        """Whether another contact wears than that of the motion."""
+        return _contact_keys(self.scene) != _contact_keys(self.wearing)
+
+
+def _contact_keys(scene: RunScene) -> str:
+    """Text that is equal for scenes whose contacts are equal."""
+    keys = scene.model_dump(exclude={"track", "vehicle", "solver", "output", "kick", "force", "torque"})
+    track = scene.track.model_dump(include={"gauge", "gauge_height"})
+    return json.dumps([keys, track], default=str, sort_keys=True)
+
+
+class CaseContact(NamedTuple):
+    """Contact of a case's motion, and that of its wear; None where it is the same."""
+
+    motion: VehicleContact
+    wearing: LiftedContact | None
+
+    def results(self) -> Callable[[Mapping[str, WheelsetState], WheelContacts], WheelContacts]:
+        """Function for a new motion: results that wear, from states and results of its wheelsets."""
+        return (lambda _, contacts: contacts) if self.wearing is None else self.wearing.motion().results
 
 
 @dataclass
@@ -112,7 +144,7 @@ class Duty:
 
     table: WearTable
     path: Path
-    _bodies: dict[tuple[str, Side], tuple[str, StripOperators]] = field(default_factory=dict)  # of the renewed profiles
+    _bodies: dict[tuple[str, ...], tuple[str, StripOperators]] = field(default_factory=dict)  # of the renewed profiles
 
     def __post_init__(self) -> None:
         first = self.cases[0]
@@ -152,7 +184,7 @@ class Duty:
             words = [case.name, *(["other hand"] if hand < 0 else []), *(["turned"] if turned else [])]
             vehicle = case.vehicle.turned if turned else case.vehicle
             rails = {} if self.table.rails is None else rail_names(entry, part, hand)
-            yield Case(", ".join(words), part, case.scene, vehicle, turned, hand, rails)
+            yield Case(", ".join(words), part, case.scene, case.wearing, vehicle, turned, hand, rails)
 
     def _case(self, table: DutyTable, vehicle: Path | None) -> Case:
         name, file = table.title(0), table.scene or self.table.scene
@@ -161,11 +193,13 @@ class Duty:
             scene = checked(data, file)
             if not isinstance(scene, RunScene):
                 raise SceneError(f'{file}: kind = "{scene.kind}": must be "run"')
-            if scene.model in WITHOUT_CELLS:
-                raise SceneError(f'{file}: model = "{scene.model}": has no cells to wear')
+            wearing = checked(changed(data, self.table.contact, "contact"), f"{file}, contact")
+            assert isinstance(wearing, RunScene)
+            if wearing.model in WITHOUT_CELLS:
+                raise SceneError(f'{file}: model = "{wearing.model}": has no cells to wear')
             if scene.is_flexible:
                 raise SceneError(f"{file}: wheelset.axle, track.pads: not known to wear")
-            return Case(name, table, scene, vehicle_for_run(scene, vehicle))
+            return Case(name, table, scene, wearing, vehicle_for_run(scene, vehicle))
         except SceneError as error:
             raise SceneError(f"{self.path}: duty {name!r}: {error}") from None
 
@@ -213,7 +247,7 @@ class Duty:
     @contextmanager
     def contacts(
         self, profiles: Profiles, renewed: Profiles, cases: Sequence[Case], threads: int | None = None
-    ) -> Iterator[dict[str, VehicleContact]]:
+    ) -> Iterator[dict[str, CaseContact]]:
         """Contacts of cases on worn profiles, by `Case.contact_key`, solved in threads until the end of the block.
 
         Parameters:
@@ -222,21 +256,30 @@ class Duty:
             cases: of this duty.
             threads: number; by default that of the scene.
         """
-        present = {name: own.present for name, own in profiles.items()}
-        found: dict[str, VehicleContact] = {}
-        worn = any(own.removed.any() for own in renewed.values())
+        found: dict[str, CaseContact] = {}
         with ExitStack() as block:
-            if worn:
+            if any(own.removed.any() for own in renewed.values()):
                 block.enter_context(unstored())
+
+            def shared(contact: WheelsetContact, case: Case) -> VehicleContact:
+                return block.enter_context(in_threads(contact, threads or case.scene.solver.workers))
+
             for case in cases:
                 if (key := case.contact_key) not in found:
-                    contact = wheelset_contact(case.scene, self.pairs(case, present))
-                    contact = replace(
-                        self._on_bodies(case, contact, "left", profiles, renewed),
-                        right=contact.right and self._on_bodies(case, contact.right, "right", profiles, renewed),
-                    )
-                    found[key] = block.enter_context(in_threads(contact, threads or case.scene.solver.workers))
+                    own, wearing = self._contact(case, case.scene, profiles, renewed), None
+                    if case.is_lifted:
+                        lifted = self._contact(case, case.wearing, profiles, renewed)
+                        wearing = LiftedContact(case.wearing, lifted, shared(lifted, case))
+                    found[key] = CaseContact(shared(own, case), wearing)
             yield found
+
+    def _contact(self, case: Case, scene: RunScene, profiles: Profiles, renewed: Profiles) -> WheelsetContact:
+        """Contact of a scene of a case; profiles as for `contacts`."""
+        contact = wheelset_contact(scene, self.pairs(case, {name: own.present for name, own in profiles.items()}))
+        return replace(
+            self._on_bodies(case, scene, contact, "left", profiles, renewed),
+            right=contact.right and self._on_bodies(case, scene, contact.right, "right", profiles, renewed),
+        )
 
     def pairs(self, case: Case, present: Mapping[str, Profile]) -> SideProfiles:
         """Worn wheel and inclined rail by side; present: profiles by name."""
@@ -248,7 +291,13 @@ class Duty:
         return {"left": left, "right": right}
 
     def _on_bodies(
-        self, case: Case, contact: WheelsetContact, side: Side, profiles: Profiles, renewed: Profiles
+        self,
+        case: Case,
+        scene: RunScene,
+        contact: WheelsetContact,
+        side: Side,
+        profiles: Profiles,
+        renewed: Profiles,
     ) -> WheelsetContact:
         """The contact with the compliance of earlier profiles: that of a worn wheel takes seconds, and a depth of 0.3
         mm changes places of contact by 0.1 mm and pressures by 1.5 %.
@@ -258,10 +307,10 @@ class Duty:
         names, model = [self.profile_of(side, case.turned), *filter(None, [case.rails.get(side)])], contact.model
         if not isinstance(model, LatticeContact) or all(profiles[name] is renewed[name] for name in names):
             return contact
-        key = case.contact_key, side
+        key = _contact_keys(scene), self.profile_of(side, case.turned), case.rails.get(side, "")
         earlier = "".join(renewed[name].present.digest() for name in names)
         if key not in self._bodies or self._bodies[key][0] != earlier:
-            bodies = wheelset_contact(case.scene, self.pairs(case, {n: own.present for n, own in renewed.items()}))
+            bodies = wheelset_contact(scene, self.pairs(case, {n: own.present for n, own in renewed.items()}))
             self._bodies[key] = earlier, bodies.of(side).model.operators  # type: ignore[attr-defined]
         operators = self._bodies[key][1].under(model.operators.surfaces)
         return replace(contact, model=replace(model, operators=operators))
@@ -269,7 +318,7 @@ class Duty:
     def rates(
         self,
         case: Case,
-        contact: VehicleContact,
+        contact: CaseContact,
         profiles: Profiles,
         starts: Mapping[str, CurveStart],
     ) -> CaseRates:
@@ -285,7 +334,7 @@ class Duty:
         """
 
         def surface(name: str, side: Side) -> WornSurface:
-            return WornSurface(name, profiles[name].grid, profiles[name].place, laws(case.scene, side))
+            return WornSurface(name, profiles[name].grid, profiles[name].place, laws(case.wearing, side))
 
         surfaces = {side: surface(self.profile_of(side, case.turned), side) for side in SIDES}
         rails = {side: surface(name, side) for side, name in case.rails.items()}
@@ -299,14 +348,15 @@ class Duty:
                     after[str(hand)] = self._curve(case, contact, hand, rates, starts.get(str(hand)))
         except RunFailed as error:
             raise RunFailed(f"duty {case.name!r}: {error}") from None
-        if rates.failed_share > FAILED:
+        means = rates.means
+        if means.failed_share > FAILED:
             raise RunFailed(
-                f"duty {case.name!r}: {100 * rates.failed_share:.1f} % of the wheels have no contact result"
+                f"duty {case.name!r}: {100 * means.failed_share:.1f} % of the wheels have no contact result"
             )
-        return CaseRates(rates.mean, rates.mean_passage, rates.failed_share, after)
+        return CaseRates(means, after)
 
     def _curve(
-        self, case: Case, contact: VehicleContact, hand: int, rates: MotionRates, start: CurveStart | None
+        self, case: Case, contact: CaseContact, hand: int, rates: MotionRates, start: CurveStart | None
     ) -> CurveStart:
         """Add the wheels of a steady curve; the start of its next solve."""
         from wheelrail.vehicle.multibody.equations import VehicleDynamics
@@ -316,34 +366,37 @@ class Duty:
         assert steady is not None
         curve = ConstantCurve(steady.speed, hand * steady.curvature, steady.cant, case.scene.track.track().base)
         loads = applied_loads(case.scene, case.vehicle)
-        dynamics = VehicleDynamics(case.vehicle, curve.track, contact, steady.speed, None, loads)
-        near = None if start is None else _guesses(contact, start)
+        motion = contact.motion
+        dynamics = VehicleDynamics(case.vehicle, curve.track, motion, steady.speed, None, loads)
+        near = None if start is None else _guesses(motion, start)
         with failures_as_run_failed():
             guess = None if start is None else start.state
             found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess, near=near)
-        rates.add(steady.speed, found.contacts)
+        states = found.dynamics.wheelset_states(found.time, found.state)
+        rates.add(steady.speed, contact.results()(states, found.contacts))
         starts = {
-            name: {side: contact.warm_start(side, sides[side]) for side in sides}
+            name: {side: motion.warm_start(side, sides[side]) for side in sides}
             for name, sides in found.contacts.items()
         }
         return CurveStart(found.state, starts)
 
-    def _run(self, case: Case, contact: VehicleContact, rates: MotionRates) -> None:
+    def _run(self, case: Case, contact: CaseContact, rates: MotionRates) -> None:
         """Add the wheels of the rows of a run."""
         from wheelrail.vehicle.simulation.time_run import Recording
         from wheelrail.vehicle.track.speed_profile import SpeedProfile
 
-        scene = case.scene
+        scene, results = case.scene, contact.results()
         profile = SpeedProfile.of(scene.vehicle.speed_profile)
         end = profile.time_at(scene.track.length)
 
         def observe(time: float, state: Array, at: VehicleEvaluation) -> None:
             travel = profile(time)
             if travel.distance >= case.table.start and time > 0.0:
-                rates.add(travel.speed, at.contacts)
+                assert at.states is not None
+                rates.add(travel.speed, results(at.states, at.contacts))
 
         recording = Recording(self.table.interval / scene.vehicle.first_speed, observer=observe)
-        history = simulate_on_track(scene, case.vehicle, contact, end, recording, lambda *_: None)
+        history = simulate_on_track(scene, case.vehicle, contact.motion, end, recording, lambda *_: None)
         if history.status != "completed":
             raise RunFailed(history.status)
         if not rates.wheels:

@@ -233,11 +233,12 @@ class WearLoop:
 
     def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, Mapping[str, CurveStart]]]:
         """Values of the rates of all cases, and starts of the next solves of their curves."""
-        cases = list(self._case_rates(state))
-        starts = {case.name: rates.starts for case, rates in zip(self.duty.cases, cases, strict=True)}
+        solved = list(self._case_rates(state))
+        cases = [case.rates for case in solved]
+        starts = {case.name: rated.starts for case, rated in zip(self.duty.cases, solved, strict=True)}
         shares = [case.table.share for case in self.duty.cases]
         _, values = rate_values(state.profiles, cases, shares)
-        values |= rail_rate_values(rail_rates(state.rails, [case.mean_passage for case in cases], shares).values())
+        values |= rail_rate_values(rail_rates(state.rails, [case.passages for case in cases], shares).values())
         if state.before is not None:
             change = 0.5 * np.linalg.norm(values["area_rate"] - state.before, axis=1)
             size = np.linalg.norm(state.before, axis=1)

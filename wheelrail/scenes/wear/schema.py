@@ -18,6 +18,7 @@ from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.support.text_file import present
 
+CONTACTS = {"condensed": {"laws": "exact", "surface_size": 1e-3, "strips": 8, "cells": 10}}  # keys of a named contact
 SHARES = 1e-6  # largest error of the sum of shares or weights
 MOST_CASES = 1000  # to detect typing errors
 STEADY = "steady."  # begin of the varied keys of a curve
@@ -153,9 +154,10 @@ class WearTable(SceneTable):
     scene: file of a run whose contact, track and wheels all cases have that name no other. vehicle: file; by
     default the plane wagon of the scene. law: name, coefficients, scale and zones of a law of wear. until:
     distance, m. depth: largest of a step, m. step: its longest distance, m. profiles: "one" for all wheels, or one
-    for each of the "sides". turned: whether the vehicle runs half of each case turned end for end. interval:
-    between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn profile.
-    reprofile: limits of measures. rails: their wear; none by default.
+    for each of the "sides". turned: whether the vehicle runs half of each case turned end for end. contact: keys of
+    the scene for another contact that wears, or its model; each wheel is lifted to its load in the motion.
+    interval: between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn
+    profile. reprofile: limits of measures. rails: their wear; none by default.
     """
 
     kind: Literal["wear"] = "wear"
@@ -167,6 +169,7 @@ class WearTable(SceneTable):
     step: LongestStep = inf
     profiles: Literal["one", "sides"] = "one"
     turned: bool = False
+    contact: dict[str, Any] = Field(default_factory=dict)
     interval: Interval = 2.0
     renew: RemovedDepth = 5e-4
     reprofile: ReprofileTable | None = None
@@ -177,6 +180,11 @@ class WearTable(SceneTable):
     @classmethod
     def _existing(cls, value: str | None, info: ValidationInfo) -> str | None:
         return None if value is None else _file(value, info)
+
+    @field_validator("contact", mode="before")
+    @classmethod
+    def _named(cls, value: Any) -> Any:
+        return {"model": value, **CONTACTS.get(value, {})} if isinstance(value, str) else value
 
     @field_validator("law")
     @classmethod

@@ -46,7 +46,7 @@ class StripOperators:
         )
 
     def under(self, surfaces: StripSurfaces) -> StripOperators:
-        """The same bodies under other surfaces of the same kind, with what is known of them."""
+        """The same bodies, with known tables, under other surfaces of the same kind."""
         other = replace(self, surfaces=surfaces)
         other.__dict__.update(corrections=self.corrections, bodies=self.bodies)
         return other

@@ -1,0 +1,96 @@
+"""Contact of wear on the motions of another one: each wheel is lifted to the height at which it carries its load."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from wheelrail.contact.kinematics.frames import Side
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.loading.load_search import LoadError, LoadSolution, Results, find_depth_for_load
+from wheelrail.contact.loading.wheelset import depth_under_load
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.scenes.builders.wheelset import wheel_scale
+from wheelrail.scenes.schema.scene import RunScene
+
+if TYPE_CHECKING:
+    from wheelrail.vehicle.multibody.equations import WheelContacts
+
+RTOL = 1e-6  # of the load
+LEAST = 1.0  # N, below which a wheel is lifted off the rail
+
+
+@dataclass(frozen=True)
+class LiftedContact:
+    """Contact for the wheels of motions at their loads.
+
+    Parameters:
+        scene: of this contact.
+        contact: model.
+        shared: the same in threads.
+    """
+
+    scene: RunScene
+    contact: WheelsetContact
+    shared: VehicleContact
+
+    def motion(self) -> LiftedMotion:
+        """Wheels of a new motion."""
+        return LiftedMotion(self)
+
+
+@dataclass(frozen=True)
+class LiftedMotion:
+    """Wheels of a motion, each of which starts from its last solution and its height, m, above that of the motion."""
+
+    of: LiftedContact
+    found: dict[tuple[str, Side], tuple[LoadSolution, float]] = field(default_factory=dict)
+
+    def results(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> WheelContacts:
+        """Results by wheelset and side.
+
+        Parameters:
+            states: of the wheelsets.
+            contacts: of the motion, whose loads count.
+
+        A load that is not found is a failed result.
+        """
+        tasks = [
+            (name, side, states[name], float(result.force[2]))
+            for name, sides in contacts.items()
+            for side, result in sides.items()
+        ]
+        values = iter(self.of.shared.each(self._lifted, tasks))
+        return {name: {side: next(values) for side in sides} for name, sides in contacts.items()}
+
+    def _lifted(self, name: str, side: Side, state: WheelsetState, load: float) -> ContactResult:
+        if load < LEAST:
+            return ContactResult.separated()
+        contact, expected = self.of.contact, wheel_scale(self.of.scene, load)
+
+        def wheel(depth: float, guess: Results | None) -> Results:
+            return (contact(replace(state, z=-depth), side, guess[0] if guess else None),)
+
+        solution: LoadSolution | None = None
+        if (name, side) in self.found:
+            last, lift = self.found[name, side]
+            with suppress(LoadError):
+                solution = find_depth_for_load(
+                    wheel,
+                    load,
+                    expected=expected,
+                    start=-(state.z + lift),
+                    rtol=RTOL,
+                    guess=last.results,
+                    known_slope=last.slope,
+                )
+        try:
+            solution = solution or depth_under_load(contact, state, side, load, expected, RTOL)
+        except LoadError as error:
+            return ContactResult.failed(f"{error}")
+        self.found[name, side] = solution, -solution.depth - state.z
+        return solution.results[0]
