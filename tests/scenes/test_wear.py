@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Mapping
+from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.html_report import write_report
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.wear.cases import Duty
+from wheelrail.scenes.wear.jobs import workers
 from wheelrail.scenes.wear.loop import WearLoop
 from wheelrail.scenes.wear.schema import check_wear
 from wheelrail.scenes.wear.tables import remarks
@@ -30,21 +32,27 @@ SHARP = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
 WIDE = {"curvature": 1.0 / 1200.0, "cant": 0.06, "speed": 35.0}
 VARIED = {"share": 1.0, "steady": WIDE, "vary": {"friction": [0.2, 0.4]}}
 RAILS = ["60E1", "UIC60-benchmark"]
+DUTY = {"share": 0.6, "steady": WIDE, "both_hands": True}, {"share": 0.4, "steady": SHARP, "name": "sharp"}
 SECONDS = "seconds"
 
 
-def wear(*duty: Mapping[str, Any], folder: Path | None = None, resume: bool = False, **more: Any) -> Dataset:
+def wear(
+    *duty: Mapping[str, Any],
+    folder: Path | None = None,
+    resume: bool = False,
+    executor: Executor | None = None,
+    **more: Any,
+) -> Dataset:
     """Results of some cases."""
     table = check_wear({**VEHICLE, "law": {"name": "usfd", "scale": 0.18}, "until": 1.0, "duty": duty, **more})
-    return WearLoop(Duty(table, Path("wear.toml")), folder).run(resume=resume)
+    return WearLoop(Duty(table, Path("wear.toml")), folder, executor=executor).run(resume=resume)
 
 
 @pytest.fixture(scope="module")
 def steps(tmp_path_factory: pytest.TempPathFactory) -> tuple[Dataset, Path]:
     """Three steps of two curves, and their folder."""
     folder = tmp_path_factory.mktemp("wear")
-    duty = {"share": 0.6, "steady": WIDE, "both_hands": True}, {"share": 0.4, "steady": SHARP, "name": "sharp"}
-    return wear(*duty, folder=folder, until=4e6, depth=1e-4), folder
+    return wear(*DUTY, folder=folder, until=4e6, depth=1e-4), folder
 
 
 def test_what_is_worn_is_removed(steps: tuple[Dataset, Path]) -> None:
@@ -80,11 +88,53 @@ def test_a_killed_loop_resumes_with_all_bits(steps: tuple[Dataset, Path], tmp_pa
     for file in files[1:]:
         file.unlink()
     (tmp_path / "steps" / "00001.nc.part").write_bytes(b"half")
-    duty = {"share": 0.6, "steady": WIDE, "both_hands": True}, {"share": 0.4, "steady": SHARP, "name": "sharp"}
-    resumed = wear(*duty, folder=tmp_path, resume=True, until=4e6, depth=1e-4)
+    resumed = wear(*DUTY, folder=tmp_path, resume=True, until=4e6, depth=1e-4)
     xarray.testing.assert_equal(resumed.drop_vars(SECONDS), data.drop_vars(SECONDS))
     with pytest.raises(SceneError, match="of another wear; omit --resume"):
-        wear(*duty, folder=tmp_path, resume=True, until=4e6, depth=2e-4)
+        wear(*DUTY, folder=tmp_path, resume=True, until=4e6, depth=2e-4)
+
+
+def test_processes_wear_with_all_bits(steps: tuple[Dataset, Path]) -> None:
+    data, _ = steps
+    with workers(2, None) as executor:
+        other = wear(*DUTY, until=4e6, depth=1e-4, executor=executor)
+        failing = {"share": 1.0, "name": "slow", "scene": str(SCENES / "vehicle_irregular.toml"), "start": 1e3}
+        with pytest.raises(RuntimeError, match="duty 'slow': start = 1000 m: no row"):
+            wear({**failing, "set": {"track.segments": [{"kind": "tangent", "length": 12.0}]}}, executor=executor)
+    xarray.testing.assert_equal(other.drop_vars(SECONDS), data.drop_vars(SECONDS))
+    with pytest.raises(SceneError, match="workers = 0: must be at least 1"), workers(0, None):
+        pass
+
+
+def test_another_contact_wears_at_the_loads_of_the_motion() -> None:
+    """The motion's own contact, taken for another one, repeats its wear; on the loads of `standard` nearly so."""
+    strips = {"bodies": "half-space", "strips": 6, "cells": 10, "model": "condensed", "surface_size": 1e-3}
+    elastic = {"share": 1.0, "steady": WIDE, "set": {**strips, "laws": "exact"}}
+    own, again = (wear(elastic, contact=contact) for contact in ({}, {"E": 210e9 * (1.0 + 1e-9)}))
+    np.testing.assert_allclose(again["t_gamma"].values[0], own["t_gamma"].values[0], rtol=1e-5)
+    rate = own["area_rate"].values[0, 0]
+    np.testing.assert_allclose(again["area_rate"].values[0, 0], rate, atol=1e-5 * rate.max())
+    lifted = wear({"share": 1.0, "steady": WIDE}, contact={**strips, "laws": "exact"})
+    standard = wear({"share": 1.0, "steady": WIDE})
+    np.testing.assert_allclose(lifted["t_gamma"].values[0], own["t_gamma"].values[0], rtol=0.05)
+    assert (lifted["area_rate"].values[0] != standard["area_rate"].values[0]).any()
+
+
+def test_rows_of_a_run_are_lifted() -> None:
+    """Wheels on irregular rails start from their last rows; another interval gives the same rows in between."""
+    tangent = {"track.segments": [{"kind": "tangent", "length": 16.0}]}
+    run = {"share": 1.0, "scene": str(SCENES / "vehicle_irregular.toml"), "set": tangent, "start": 15.9}
+    contact = {"model": "condensed", "laws": "exact", "bodies": "half-space", "surface_size": 1e-3, "strips": 6}
+    cold, warm = (
+        wear({**run, "start": start}, contact=contact, interval=4.0)["t_gamma"].values[0, 0] for start in (15.9, 11.9)
+    )
+    first = wear(
+        {**run, "start": 11.9, "set": {"track.segments": [{"kind": "tangent", "length": 12.1}]}},
+        contact=contact,
+        interval=4.0,
+    )
+    assert first["failed_share"].values[0, 0] == 0.0
+    assert warm == pytest.approx(0.5 * (cold + first["t_gamma"].values[0, 0]), rel=2e-2)
 
 
 def test_hands_are_mirror_images_and_shares_linear() -> None:
