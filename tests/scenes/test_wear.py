@@ -234,10 +234,10 @@ def test_worn_rails_stay_in_their_place() -> None:
         duty.contacts(profiles[1], profiles[1], duty.cases) as old,
     ):
         (first,), (second,) = new.values(), old.values()
-        assert isinstance(first, WheelsetContact)
-        assert isinstance(second, WheelsetContact)
-        assert first.mounting == second.mounting
-        assert first.model is not second.model
+        assert isinstance(first.motion, WheelsetContact)
+        assert isinstance(second.motion, WheelsetContact)
+        assert first.motion.mounting == second.motion.mounting
+        assert first.motion.model is not second.motion.model
 
 
 def test_hands_wear_rails_of_both() -> None:
