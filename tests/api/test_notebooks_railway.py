@@ -59,3 +59,14 @@ def test_hunting() -> None:
     assert (moves["elastic"] < -0.4).all()
     np.testing.assert_allclose(moves["standard"], moves["elastic"], rtol=0.25)
     assert names["run"].status == "completed"
+
+
+def test_a_wheels_life() -> None:
+    """Energy in the sharp curve grows with friction, and sharp curves wear more; a worn wheel bears on other places."""
+    changes = {"bodies": "half-space", "strips": 6, "cells": 6}
+    names = executed("10_a_wheels_life.py", UNTIL=3e5, CHANGES=changes, PLACES=(0.0, 5.0), FRICTION=[0.2, 0.4])
+    assert names["worn"].status == "completed"
+    assert (names["peaks"]["worn"] / names["peaks"]["new"]).between(0.5, 2.0).all()
+    assert (names["peaks"]["worn"] != names["peaks"]["new"]).all()
+    assert names["by_case"][2, 1] > names["by_case"][2, 0]
+    assert names["rates"].values[0, 2] > names["rates"].values[0, 0]
