@@ -1,4 +1,4 @@
-"""Rates of wear over the rows of a motion, of wheels and rails by side."""
+"""Rates of wear over the rows of a motion, of wheels and rails."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Weighted = dict[str, list[tuple[float, ProfileRates]]]
 
 @dataclass(frozen=True)
 class WornSurface:
-    """Surface of the wheels or of the rail of one side.
+    """Surface of a wheel, or of the rail of one side.
 
     Parameters:
-        profile: name, of several sides where they share one.
+        profile: name, of several wheels where they share one.
         grid: of its new profile.
         place: arc length on the new profile by that of the present one; None: the same.
         friction: law or coefficient of the contact.
@@ -52,7 +52,7 @@ class MotionRates:
     """Rates of wheels and rails over the rows of a motion.
 
     Parameters:
-        surfaces: of wheels, by side.
+        surfaces: of wheels, by wheelset and side.
         law: of wear.
         rails: those that wear, by side.
         failed: number of wheels without a result.
@@ -60,7 +60,7 @@ class MotionRates:
         passages: the same of the rails.
     """
 
-    surfaces: Mapping[Side, WornSurface]
+    surfaces: Mapping[tuple[str, Side], WornSurface]
     law: WearLaw
     rails: Mapping[Side, WornSurface] = field(default_factory=dict)
     failed: int = 0
@@ -76,11 +76,12 @@ class MotionRates:
 
         The severe branch of the law is in the rates, without a warning.
         """
-        for side, result in (item for sides in contacts.values() for item in sides.items()):
+        wheels = [(name, *found) for name, sides in contacts.items() for found in sides.items()]
+        for name, side, result in wheels:
             if not result.ok:
                 self.failed += 1
                 continue
-            own = self.surfaces[side]
+            own = self.surfaces[name, side]
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 strips = worn_strips(result if side == "left" else result.mirrored(), self.law, own.friction, speed)

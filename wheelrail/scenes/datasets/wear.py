@@ -23,7 +23,7 @@ OF_RAIL, RAIL_CELLS = ("rail",), ("rail", "cell")
 AMPLITUDE = 3e-3  # m, of the equivalent conicity
 
 WEAR: Schema = {
-    "profile": Quantity(OF_PROFILE, "", "profile: of all wheels, or of a side"),
+    "profile": Quantity(OF_PROFILE, "", "profile: of all wheels, a side, a wheelset or a wheel"),
     "s": Quantity(("s",), "m", "arc length on the new profile, from the rolling circle to the field side"),
     "case": Quantity(OF_CASE, "", "case of the duty"),
     "new_y": Quantity(CELLS, "m", "middle of a cell on the new profile: lateral place, positive to the field side"),
@@ -54,7 +54,9 @@ WEAR: Schema = {
     "rolling_radius": Quantity(OF_PROFILE, "m", "radius at the rolling circle", label="radius", shown="mm", digits=2),
     "removed_section": Quantity(OF_PROFILE, "m2", "removed section", label="section", shown="mm²", digits=2),
     "removed_mass": Quantity(OF_PROFILE, "kg", "removed mass of a wheel", label="mass", digits=3),
-    "conicity": Quantity((), "1", "equivalent conicity of EN 15302 at 3 mm", label="conicity", digits=3),
+    "conicity": Quantity(
+        (), "1", "equivalent conicity of EN 15302 at 3 mm, mean of the wheelsets", label="conicity", digits=3
+    ),
     "rail": Quantity(OF_RAIL, "", "rail that wears"),
     "passages": Quantity((), "1", "wheelsets that passed the rails"),
     "rail_s": Quantity(RAIL_CELLS, "m", "arc length on the new rail, NaN beyond its cells"),

@@ -6,13 +6,14 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.models.lattice.model import LatticeContact
+from wheelrail.contact.results.vehicle_contact import ContactsByWheelset, VehicleContact
 from wheelrail.contact.wear.law_tables import law_from
 from wheelrail.contact.wear.laws import WearLaw
 from wheelrail.meshes.profiles.profile import Profile
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from wheelrail.contact.kinematics.wheelset_state import WheelsetState
     from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
     from wheelrail.contact.models.wheelset import WheelsetContact
-    from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.vehicle.multibody.equations import VehicleEvaluation, WheelContacts
     from wheelrail.vehicle.multibody.vehicle import Vehicle
 
@@ -98,9 +98,22 @@ class Case:
     rails: Mapping[Side, str] = field(default_factory=dict)
 
     @cached_property
-    def new_profiles(self) -> SideProfiles:
-        """New wheel and inclined rail by side."""
-        return side_profiles(self.scene)
+    def new_profiles(self) -> Mapping[str, SideProfiles]:
+        """New wheel and inclined rail by wheelset and side."""
+        scenes = {name: self.scene.contact_of(name) for name in self.vehicle.wheelsets}
+        known = {id(own): side_profiles(own) for own in {id(own): own for own in scenes.values()}.values()}
+        return {name: known[id(own)] for name, own in scenes.items()}
+
+    def new_wheel(self, wheelset: str, side: Side) -> tuple[Profile, float]:
+        """New profile and radius, m, of a wheel."""
+        radius = self.scene.contact_of(wheelset).side(side).radius
+        assert radius is not None
+        return self.new_profiles[wheelset][side][0], radius
+
+    @cached_property
+    def wheels(self) -> tuple[tuple[str, Side], ...]:
+        """Wheelset and side of all wheels."""
+        return tuple(product(self.vehicle.wheelsets, SIDES))
 
     @cached_property
     def contact_key(self) -> str:
@@ -118,6 +131,14 @@ def _contact_keys(scene: RunScene) -> str:
     keys = scene.model_dump(exclude={"track", "vehicle", "solver", "output", "kick", "force", "torque"})
     track = scene.track.model_dump(include={"gauge", "gauge_height"})
     return json.dumps([keys, track], default=str, sort_keys=True)
+
+
+class _Made(NamedTuple):
+    """Present profiles, profiles of the compliance of the bodies, and models made so far."""
+
+    profiles: Profiles
+    renewed: Profiles
+    models: dict[Any, Any]
 
 
 class CaseContact(NamedTuple):
@@ -147,15 +168,27 @@ class Duty:
     _bodies: dict[tuple[str, ...], tuple[str, StripOperators]] = field(default_factory=dict)  # of the renewed profiles
 
     def __post_init__(self) -> None:
-        first = self.cases[0]
+        first, kind = self.cases[0], self.table.profiles
         for case in self.cases[1:]:
-            for side in SIDES:
-                new, radius = case.new_profiles[side][0], case.scene.side(side).radius
-                if new.digest() != first.new_profiles[side][0].digest() or radius != first.scene.side(side).radius:
-                    raise SceneError(f"{self.path}: duty {case.name!r}: has another {side} wheel than {first.name!r}")
+            for wheel in first.wheels:
+                if not _same(case.new_wheel(*wheel), first.new_wheel(*wheel)):
+                    text = f"has another {wheel[1]} wheel than {first.name!r}"
+                    raise SceneError(f"{self.path}: duty {case.name!r}: {text}")
         self.unworn_rails()  # of which each is the same in all its cases
-        if self.table.profiles == "one" and not first.scene.sides_alike:
-            raise SceneError(f'{self.path}: profiles = "one": must be "sides" for sides that differ')
+        if not self.table.sides_apart and not all(first.scene.contact_of(name).sides_alike for name, _ in first.wheels):
+            other = "sides" if kind == "one" else "wheels"
+            raise SceneError(f'{self.path}: profiles = "{kind}": must be "{other}" for sides that differ')
+        if not all(_same(first.new_wheel(*wheel), self.new_wheels[self.profile_of(*wheel)]) for wheel in first.wheels):
+            other = "wheelsets" if kind == "one" else "wheels"
+            raise SceneError(f'{self.path}: profiles = "{kind}": must be "{other}" for wheelsets that differ')
+        if len({len(own.removed) for own in self.unworn().values()}) > 1:
+            raise SceneError(f"{self.path}: new wheels: must have equal lengths of their profiles")
+
+    @cached_property
+    def new_wheels(self) -> dict[str, tuple[Profile, float]]:
+        """The new wheels and their radii, m, by profile."""
+        first = self.cases[0]
+        return {self.profile_of(*wheel): first.new_wheel(*wheel) for wheel in reversed(first.wheels)}
 
     @cached_property
     def cases(self) -> tuple[Case, ...]:
@@ -174,10 +207,11 @@ class Duty:
             case: whole.
             entry: title in the duty, of which rails are named.
         """
-        if self.table.turned and (case.scene.force or len({case.scene.side(side).radius for side in SIDES}) > 1):
+        radii = [[case.new_wheel(name, side)[1] for side in SIDES] for name in case.vehicle.wheelsets]
+        if self.table.turned and (case.scene.force or any(left != right for left, right in radii)):
             text = "not allowed with forces on bodies, nor with wheels of different radii"
             raise SceneError(f"{self.path}: turned = true: duty {case.name!r}: {text}")
-        apart = case.table.both_hands and self.table.profiles == "sides" and self.table.rails is not None
+        apart = case.table.both_hands and self.table.sides_apart and self.table.rails is not None
         ways = list(product((1, -1) if apart else (1,), (False, True) if self.table.turned else (False,)))
         part = case.table.model_copy(update={"share": case.table.share / len(ways)})
         for hand, turned in ways:
@@ -213,35 +247,27 @@ class Duty:
         scene = self.cases[0].scene
         return 0.5 * float(scene.E) / (1.0 - float(scene.nu) ** 2)
 
-    def profile_of(self, side: Side, turned: bool = False) -> str:
-        """Name of the profile on a side of the track, of a vehicle that may be turned."""
-        if self.table.profiles == "one":
-            return "wheel"
-        return OPPOSITE[side] if turned else side
+    def profile_of(self, wheelset: str, side: Side, turned: bool = False) -> str:
+        """Name of the profile of a wheelset on a side of the track, of a vehicle that may be turned."""
+        own = OPPOSITE[side] if turned else side
+        names = {"one": "wheel", "sides": own, "wheelsets": wheelset, "wheels": f"{wheelset}, {own}"}
+        return names[self.table.profiles]
 
     def unworn(self) -> dict[str, WearingProfile]:
         """The new profiles by name."""
-        first = self.cases[0]
-        pairs = first.new_profiles
-        found = {}
-        for side in SIDES[:1] if self.table.profiles == "one" else SIDES:
-            radius = first.scene.side(side).radius
-            assert radius is not None
-            found[self.profile_of(side)] = WearingProfile.unworn(pairs[side][0], radius)
-        return found
+        names = dict.fromkeys(self.profile_of(*wheel) for wheel in self.cases[0].wheels)
+        return {name: WearingProfile.unworn(*self.new_wheels[name]) for name in names}
 
     def unworn_rails(self) -> dict[str, WearingRail]:
         """The new rails that wear, by name. Raises SceneError for different ones in the cases of a rail."""
         found = dict[str, WearingRail]()
-        for case in self.cases:
-            for side, name in case.rails.items():
-                new = case.new_profiles[side][1]
-                own = found.setdefault(name, WearingRail(WearingProfile.unworn_rail(new)))
-                if own.profile.new.digest() != new.digest():
-                    text = (
-                        f"rail {name!r}: must be the same in all cases, as it wears: list rails as cases of their own"
-                    )
-                    raise SceneError(f"{self.path}: duty {case.name!r}: {text}")
+        wheels = [(case, *wheel) for case in self.cases for wheel in case.wheels if wheel[1] in case.rails]
+        for case, wheelset, side in wheels:
+            name, new = case.rails[side], case.new_profiles[wheelset][side][1]
+            own = found.setdefault(name, WearingRail(WearingProfile.unworn_rail(new)))
+            if own.profile.new.digest() != new.digest():
+                text = f"rail {name!r}: must be the same in all cases, as it wears: list rails as cases of their own"
+                raise SceneError(f"{self.path}: duty {case.name!r}: {text}")
         return found
 
     @contextmanager
@@ -257,35 +283,51 @@ class Duty:
             threads: number; by default that of the scene.
         """
         found: dict[str, CaseContact] = {}
+        made = _Made(profiles, renewed, {})
         with ExitStack() as block:
             if any(own.removed.any() for own in renewed.values()):
                 block.enter_context(unstored())
 
-            def shared(contact: WheelsetContact, case: Case) -> VehicleContact:
+            def shared(own: dict[str, WheelsetContact], case: Case) -> VehicleContact:
+                first = next(iter(own.values()))
+                same = all(contact is first for contact in own.values())
+                contact = first if same else ContactsByWheelset(first, own)
                 return block.enter_context(in_threads(contact, threads or case.scene.solver.workers))
 
             for case in cases:
                 if (key := case.contact_key) not in found:
-                    own, wearing = self._contact(case, case.scene, profiles, renewed), None
+                    motion, wearing = shared(self._contacts(case, case.scene, made), case), None
                     if case.is_lifted:
-                        lifted = self._contact(case, case.wearing, profiles, renewed)
+                        lifted = self._contacts(case, case.wearing, made)
                         wearing = LiftedContact(case.wearing, lifted, shared(lifted, case))
-                    found[key] = CaseContact(shared(own, case), wearing)
+                    found[key] = CaseContact(motion, wearing)
             yield found
 
-    def _contact(self, case: Case, scene: RunScene, profiles: Profiles, renewed: Profiles) -> WheelsetContact:
-        """Contact of a scene of a case; profiles as for `contacts`."""
-        contact = wheelset_contact(scene, self.pairs(case, {name: own.present for name, own in profiles.items()}))
-        return replace(
-            self._on_bodies(case, scene, contact, "left", profiles, renewed),
-            right=contact.right and self._on_bodies(case, scene, contact.right, "right", profiles, renewed),
-        )
+    def groups(self, case: Case, scene: RunScene) -> list[list[str]]:
+        """Wheelsets of a case, together if of the same contact of a scene and the same profiles."""
+        found = dict[Any, list[str]]()
+        for name in case.vehicle.wheelsets:
+            key = id(scene.contact_of(name)), *(self.profile_of(name, side) for side in SIDES)
+            found.setdefault(key, []).append(name)
+        return list(found.values())
 
-    def pairs(self, case: Case, present: Mapping[str, Profile]) -> SideProfiles:
-        """Worn wheel and inclined rail by side; present: profiles by name."""
-        new = case.new_profiles
+    def _contacts(self, case: Case, scene: RunScene, made: _Made) -> dict[str, WheelsetContact]:
+        """Contacts of a scene of a case by wheelset."""
+        present = {name: own.present for name, own in made.profiles.items()}
+        found: dict[str, WheelsetContact] = {}
+        for wheelsets in self.groups(case, scene):
+            first = wheelsets[0]
+            contact = wheelset_contact(scene.contact_of(first), self.pairs(case, first, present), made.models)
+            on_bodies = partial(self._on_bodies, case, scene, first, made)
+            left, right = on_bodies(contact, "left"), contact.right and on_bodies(contact.right, "right")
+            found |= dict.fromkeys(wheelsets, replace(left, right=right))
+        return found
+
+    def pairs(self, case: Case, wheelset: str, present: Mapping[str, Profile]) -> SideProfiles:
+        """Worn wheel and inclined rail of a wheelset by side; present: profiles by name."""
+        new = case.new_profiles[wheelset]
         left, right = (
-            (present[self.profile_of(side, case.turned)], present.get(case.rails.get(side, ""), new[side][1]))
+            (present[self.profile_of(wheelset, side, case.turned)], present.get(case.rails.get(side, ""), new[side][1]))
             for side in SIDES
         )
         return {"left": left, "right": right}
@@ -294,23 +336,25 @@ class Duty:
         self,
         case: Case,
         scene: RunScene,
+        wheelset: str,
+        made: _Made,
         contact: WheelsetContact,
         side: Side,
-        profiles: Profiles,
-        renewed: Profiles,
     ) -> WheelsetContact:
         """The contact with the compliance of earlier profiles: that of a worn wheel takes seconds, and a depth of 0.3
         mm changes places of contact by 0.1 mm and pressures by 1.5 %.
         """
         if case.rails:  # worn rails stay in their place
-            contact = replace(contact, mounting=mounted(case.scene, case.new_profiles[side][1]))
-        names, model = [self.profile_of(side, case.turned), *filter(None, [case.rails.get(side)])], contact.model
-        if not isinstance(model, LatticeContact) or all(profiles[name] is renewed[name] for name in names):
+            contact = replace(contact, mounting=mounted(case.scene, case.new_profiles[wheelset][side][1]))
+        model, names = contact.model, [self.profile_of(wheelset, side, case.turned)]
+        names += filter(None, [case.rails.get(side)])
+        if not isinstance(model, LatticeContact) or all(made.profiles[name] is made.renewed[name] for name in names):
             return contact
-        key = _contact_keys(scene), self.profile_of(side, case.turned), case.rails.get(side, "")
-        earlier = "".join(renewed[name].present.digest() for name in names)
+        key = _contact_keys(scene), wheelset, *names
+        earlier = "".join(made.renewed[name].present.digest() for name in names)
         if key not in self._bodies or self._bodies[key][0] != earlier:
-            bodies = wheelset_contact(scene, self.pairs(case, {n: own.present for n, own in renewed.items()}))
+            pairs = self.pairs(case, wheelset, {name: own.present for name, own in made.renewed.items()})
+            bodies = wheelset_contact(scene.contact_of(wheelset), pairs, made.models)
             self._bodies[key] = earlier, bodies.of(side).model.operators  # type: ignore[attr-defined]
         operators = self._bodies[key][1].under(model.operators.surfaces)
         return replace(contact, model=replace(model, operators=operators))
@@ -333,17 +377,20 @@ class Duty:
         Raises RunFailed that names the case.
         """
 
-        def surface(name: str, side: Side) -> WornSurface:
-            return WornSurface(name, profiles[name].grid, profiles[name].place, laws(case.wearing, side))
+        def surface(name: str, wheelset: str, side: Side) -> WornSurface:
+            friction = laws(case.wearing.contact_of(wheelset), side)
+            return WornSurface(name, profiles[name].grid, profiles[name].place, friction)
 
-        surfaces = {side: surface(self.profile_of(side, case.turned), side) for side in SIDES}
-        rails = {side: surface(name, side) for side, name in case.rails.items()}
+        surfaces = {
+            (name, side): surface(self.profile_of(name, side, case.turned), name, side) for name, side in case.wheels
+        }
+        rails = {side: surface(name, case.vehicle.wheelsets[0], side) for side, name in case.rails.items()}
         rates, after = MotionRates(surfaces, self.law, rails), dict[str, CurveStart]()
         try:
             if case.table.steady is None:
                 self._run(case, contact, rates)
             else:
-                both = case.table.both_hands and self.table.profiles == "sides" and not case.rails
+                both = case.table.both_hands and self.table.sides_apart and not case.rails
                 for hand in (1, -1) if both else (case.hand,):
                     after[str(hand)] = self._curve(case, contact, hand, rates, starts.get(str(hand)))
         except RunFailed as error:
@@ -401,6 +448,11 @@ class Duty:
             raise RunFailed(history.status)
         if not rates.wheels:
             raise RunFailed(f"start = {case.table.start:g} m: no row of the run lies beyond it")
+
+
+def _same(wheel: tuple[Profile, float], other: tuple[Profile, float]) -> bool:
+    """Whether new wheels have the same profile and radius."""
+    return wheel[0].digest() == other[0].digest() and wheel[1] == other[1]
 
 
 def _guesses(contact: VehicleContact, start: CurveStart) -> WheelContacts:

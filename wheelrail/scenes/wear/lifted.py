@@ -30,12 +30,12 @@ class LiftedContact:
 
     Parameters:
         scene: of this contact.
-        contact: model.
-        shared: the same in threads.
+        contacts: models by wheelset.
+        shared: the same as one, in threads.
     """
 
     scene: RunScene
-    contact: WheelsetContact
+    contacts: Mapping[str, WheelsetContact]
     shared: VehicleContact
 
     def motion(self) -> LiftedMotion:
@@ -70,7 +70,7 @@ class LiftedMotion:
     def _lifted(self, name: str, side: Side, state: WheelsetState, load: float) -> ContactResult:
         if load < LEAST:
             return ContactResult.separated()
-        contact, expected = self.of.contact, wheel_scale(self.of.scene, load)
+        contact, expected = self.of.contacts[name], wheel_scale(self.of.scene, load)
 
         def wheel(depth: float, guess: Results | None) -> Results:
             return (contact(replace(state, z=-depth), side, guess[0] if guess else None),)

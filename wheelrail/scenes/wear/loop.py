@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wheelrail.contact.geometry.wheelset_conicity import difference_without_roll, wheelset_conicity
+from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.wear.strips import ProfileRates
 from wheelrail.scenes.builders.wheelset import rigid_wheelset
 from wheelrail.scenes.datasets.netcdf import provenance, read, write
@@ -111,7 +112,7 @@ class WearLoop:
         """Text that is equal for equal wear, whatever its distance."""
         table, vehicle = self.duty.table, self.duty.table.vehicle
         scenes = [case.scene.model_dump() for case in self.duty.cases]
-        pairs = [pair for case in self.duty.cases for pair in case.new_profiles.values()]
+        pairs = [pair for case in self.duty.cases for own in case.new_profiles.values() for pair in own.values()]
         digests = [wheel.digest() + rail.digest() for wheel, rail in pairs]
         own = [table.model_dump(exclude={"until"}), scenes, digests, read_text(Path(vehicle)) if vehicle else ""]
         return sha256(json.dumps(own, default=str, sort_keys=True).encode()).hexdigest()
@@ -212,23 +213,34 @@ class WearLoop:
 
     def _measured(self, state: WearState) -> dict[str, Any]:
         """Values of the profiles of a state."""
-        scene = self.duty.cases[0].scene
-        present = {name: own.present for name, own in state.profiles.items()}
-        wheelset = rigid_wheelset(scene, self.duty.pairs(self.duty.cases[0], present))
-        try:
-            conicity = float(wheelset_conicity(wheelset, np.array([AMPLITUDE]), difference_without_roll)[0])
-        except ValueError:  # no contact on both sides
-            conicity = np.nan
+        conicity = float(np.mean(self._conicities(state)))
         wheels = state_values(state.profiles, self._measures(state), state.distance, conicity, state.turned)
         passages = 0.0 if self.duty.table.rails is None else state.distance * self.duty.table.rails.passages
         return wheels | rail_state_values({name: rail.profile for name, rail in state.rails.items()}, passages)
 
+    def _conicities(self, state: WearState) -> list[float]:
+        """Equivalent conicities of wheelsets with profiles of their own; NaN without contact on both sides."""
+        case, known, keys = self.duty.cases[0], dict[tuple[Any, ...], float](), list[tuple[Any, ...]]()
+        present = {name: own.present for name, own in state.profiles.items()}
+        for wheelset, *_ in self.duty.groups(case, case.scene):
+            pairs = self.duty.pairs(case, wheelset, present)
+            digests = [profile.digest() for pair in pairs.values() for profile in pair]
+            keys.append((*digests, *(case.new_wheel(wheelset, side)[1] for side in SIDES)))
+            if keys[-1] in known:
+                continue
+            rigid = rigid_wheelset(case.scene.contact_of(wheelset), pairs)
+            try:
+                known[keys[-1]] = float(wheelset_conicity(rigid, np.array([AMPLITUDE]), difference_without_roll)[0])
+            except ValueError:
+                known[keys[-1]] = np.nan
+        return [known[key] for key in keys]
+
     def _measures(self, state: WearState) -> list[Any]:
         """Measures of each profile of a state."""
-        axle = self.duty.cases[0].scene.wheelset
+        back = self.duty.cases[0].scene.wheelset.flange_back
         return [
-            own.present.measures(own.new, radius=axle.radius, flange_back=axle.flange_back)
-            for own in state.profiles.values()
+            own.present.measures(own.new, radius=self.duty.new_wheels[name][1], flange_back=back)
+            for name, own in state.profiles.items()
         ]
 
     def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, Mapping[str, CurveStart]]]:

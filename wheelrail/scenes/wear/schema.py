@@ -154,10 +154,10 @@ class WearTable(SceneTable):
     scene: file of a run whose contact, track and wheels all cases have that name no other. vehicle: file; by
     default the plane wagon of the scene. law: name, coefficients, scale and zones of a law of wear. until:
     distance, m. depth: largest of a step, m. step: its longest distance, m. profiles: "one" for all wheels, or one
-    for each of the "sides". turned: whether the vehicle runs half of each case turned end for end. contact: keys of
-    the scene for another contact that wears, or its model; each wheel is lifted to its load in the motion.
-    interval: between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows the worn
-    profile. reprofile: limits of measures. rails: their wear; none by default.
+    for each of the "sides", "wheelsets" or "wheels". turned: whether the vehicle runs half of each case turned end for
+    end. contact: keys of the scene for another contact that wears, or its model; each wheel is lifted to its load in
+    the motion. interval: between rows of runs, m. renew: depth, m, after which the compliance of the bodies follows
+    the worn profile. reprofile: limits of measures. rails: their wear; none by default.
     """
 
     kind: Literal["wear"] = "wear"
@@ -167,7 +167,7 @@ class WearTable(SceneTable):
     until: Travel
     depth: RemovedDepth = 5e-5
     step: LongestStep = inf
-    profiles: Literal["one", "sides"] = "one"
+    profiles: Literal["one", "sides", "wheelsets", "wheels"] = "one"
     turned: bool = False
     contact: dict[str, Any] = Field(default_factory=dict)
     interval: Interval = 2.0
@@ -208,6 +208,11 @@ class WearTable(SceneTable):
         if len(names) > MOST_CASES:
             raise q.reject(f"has {len(names)} cases: must be at most {MOST_CASES}", "duty")
         return self
+
+    @property
+    def sides_apart(self) -> bool:
+        """Whether left and right wheels have profiles of their own."""
+        return self.profiles in ("sides", "wheels")
 
     @property
     def cases(self) -> tuple[DutyTable, ...]:

@@ -1,0 +1,123 @@
+"""Wear of each wheelset and of each wheel: means, hands, turned vehicles, contacts on worn profiles, bad files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from xarray import Dataset
+
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.results.vehicle_contact import ContactsByWheelset
+from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.scenes.builders.wheelset import side_profiles, wheelset_contact
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene, load_scene
+from wheelrail.scenes.wear.cases import Duty
+from wheelrail.scenes.wear.loop import WearLoop
+from wheelrail.scenes.wear.schema import check_wear
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.steady.equilibrium import equilibrium
+from wheelrail.vehicle.track.constant_curve import ConstantCurve
+
+SCENES = Path(__file__).parents[2] / "scenes"
+FILES = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manchester_vehicle.toml")}
+CURVE = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
+NAMES = [f"wheelset_{number}" for number in (1, 2, 3, 4)]
+ICE = {"contacts.ice": {"wheelsets": ["wheelset_2"], "friction": 0.0}}
+
+
+def duty(profiles: str, **more: Any) -> Duty:
+    case = {"share": 1.0, "steady": CURVE, **more.pop("case", {})}
+    table = {**FILES, "law": {"name": "usfd", "scale": 0.18}, "until": 1.0, "step": 1e5, "duty": [case], **more}
+    return Duty(check_wear({**table, "profiles": profiles}), Path("wear.toml"))
+
+
+@cache
+def wear(profiles: str, *, both_hands: bool = False, turned: bool = False, until: float = 1.0) -> Dataset:
+    return WearLoop(duty(profiles, turned=turned, until=until, case={"both_hands": both_hands})).run()
+
+
+def rates(data: Dataset, step: int = 0) -> Array:
+    return np.asarray(data["area_rate"].values[step])
+
+
+def close(found: Array, expected: Array, atol: float) -> None:
+    np.testing.assert_allclose(found, expected, atol=atol * np.abs(expected).max())
+
+
+def test_means_of_wheels_are_those_of_sides_and_of_all() -> None:
+    """At the start, where all have the new profile."""
+    wheels = wear("wheels")
+    assert wheels["profile"].values.tolist() == [f"{name}, {side}" for name in NAMES for side in SIDES]
+    by_wheel = rates(wheels).reshape(4, 2, -1)
+    close(by_wheel.mean(axis=0), rates(wear("sides")), 1e-12)
+    close(by_wheel.mean(axis=1), rates(wear("wheelsets")), 1e-12)
+    close(by_wheel.mean(axis=(0, 1)), rates(wear("one"))[0], 1e-12)
+    assert by_wheel[0].sum() > 2.0 * by_wheel[1].sum()  # leading wheelsets of the bogies wear most
+    assert wear("wheelsets")["profile"].values.tolist() == NAMES
+
+
+def test_both_hands_wear_a_wheelset_alike() -> None:
+    """A wheelset in both hands as its two wheels in turn."""
+    left, both = wear("wheels"), wear("wheels", both_hands=True)
+    close(rates(both).reshape(4, 2, -1)[:, 0], rates(left).reshape(4, 2, -1).mean(axis=1), 1e-6)
+    close(rates(wear("wheelsets", both_hands=True)), rates(wear("wheelsets")), 1e-12)
+
+
+def test_a_turned_vehicle_exchanges_its_ends() -> None:
+    """Wheelset 1 leads one half of the distance and trails the other, and its left wheel is on the right then."""
+    turned, plain = wear("wheels", turned=True, until=1e5), rates(wear("wheels")).reshape(4, 2, -1)
+    halves = 0.5 * (plain + plain[::-1, ::-1])
+    total = turned["share"].values @ turned["depth_rate"].values[0].reshape(2, -1)
+    width = np.diff(turned["s"].values).mean()
+    close(width * total.reshape(4, 2, -1), halves, 1e-6)
+    depth = turned["depth"].values[-1].reshape(4, 2, -1)
+    close(depth, depth[::-1, ::-1], 1e-6)
+
+
+def test_wheels_run_on_their_own_worn_profiles() -> None:
+    """T-gamma at the second step is that of a vehicle whose wheels are given one by one."""
+    data = wear("wheels", until=2e5)
+    scene = load_scene(FILES["scene"])
+    assert isinstance(scene, RunScene)
+    bounds = duty("wheels").unworn()["wheelset_1, left"].grid.bounds
+    pairs, own = side_profiles(scene), {}
+    for k, name in enumerate(NAMES):
+        removed = data["removed_area"].values[1, 2 * k : 2 * k + 2]
+        worn = {side: named_profile("S1002").worn(bounds, area) for side, area in zip(SIDES, removed, strict=True)}
+        own[name] = wheelset_contact(scene, {side: (worn[side], pairs[side][1]) for side in SIDES})
+    curve = ConstantCurve(25.0, 1.0 / 600.0, 0.1)
+    vehicle = duty("wheels").cases[0].vehicle
+    found = equilibrium(VehicleDynamics(vehicle, curve.track, ContactsByWheelset(own[NAMES[0]], own), 25.0))
+    power = [p.frictional_power for sides in found.contacts.values() for one in sides.values() for p in one.patches]
+    assert float(data["t_gamma"].values[1, 0]) == pytest.approx(sum(power) / 8 / 25.0, rel=1e-6)
+    assert float(data["t_gamma"].values[0, 0]) != pytest.approx(sum(power) / 8 / 25.0, rel=1e-3)
+
+
+def test_wheels_without_friction_do_not_wear() -> None:
+    """A contact by name in the duty."""
+    data = WearLoop(duty("wheelsets", case={"set": ICE})).run()
+    sections = data["removed_area"].values[-1].sum(axis=1)
+    assert sections[1] == 0.0
+    assert (sections[[0, 2, 3]] > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("profiles", "contact", "says"),
+    [
+        ("sides", {"radius": 0.459}, 'profiles = "sides": must be "wheels" for wheelsets that differ'),
+        ("one", {"radius": 0.459}, 'profiles = "one": must be "wheelsets" for wheelsets that differ'),
+        ("one", {"profiles": {"left": {"radius": 0.459}}}, 'profiles = "one": must be "sides" for sides that differ'),
+        ("wheelsets", {"profiles": {"left": {"radius": 0.459}}}, 'must be "wheels" for sides that differ'),
+        ("axles", {}, 'must be "one" or "sides" or "wheelsets" or "wheels"'),
+    ],
+)
+def test_bad_files(profiles: str, contact: Mapping[str, Any], says: str) -> None:
+    with pytest.raises(SceneError, match=says):
+        duty(profiles, case={"set": {"contacts.a": {"wheelsets": ["wheelset_2"], **contact}}})
