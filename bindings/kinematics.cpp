@@ -3,7 +3,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
-#include "contact/kinematics/core/left_pair.hpp"
+#include "contact/kinematics/core/moved_pair.hpp"
 #include "structures.hpp"
 
 using namespace wr;
@@ -44,4 +44,36 @@ void bind_kinematics(nb::module_& m) {
         "Derivatives (w, 6, 9) of forces and moments by coordinates of the wheelsets: tangents (w, 6, 12) about the "
         "wheelsets' centres, of the left-hand pairs; wrenches (w, 6) N and N m of the wheels themselves; states (w, "
         "17); wheel_y m; mirror: whether the wheels are the right ones.");
+    structure<MovedStates>(
+        m, "MovedStates", {"values", "moves", "dimensions", "foot", "mirror"},
+        "One side of w wheelsets: values (w, 17) of `WheelsetState`; motions (w, 9) of hub (x, y, z "
+        "m, rotation vector rad, in the wheelset's axes) and rail (y, z m, roll rad about its foot); dimensions m of a "
+        "`Mounting`; foot (2,) m, y and z of the centre of the rail's roll in its frame; mirror: whether the side is "
+        "the right one.");
+    m.def("moved_pairs", &moved_pairs, "states"_a, Unlocked(),
+          "Pairs in the frames of the moved rails, with the wheelsets' centres, and the axes (w, 3, 3) of the rails in "
+          "the track's.");
+    m.def(
+        "moved_loads",
+        [](const MovedStates& states, const Rows& wrenches) {
+            require(wrenches.shape == std::array<long, 2>{states.size(), 6}, "wrenches: must be (w, 6)");
+            return moved_loads(states, wrenches);
+        },
+        "states"_a, "wrenches"_a, Unlocked(),
+        "Matrices (w, 9, 6) of the loads on hub and rail by wrenches on the wheel about the wheelset's centre in the "
+        "track's axes, and derivatives (w, 9, 18) of the loads at constant wrenches (w, 6). Loads: force and moment on "
+        "the hub, in the wheelset's axes about the hub's centre; y and z force and roll moment on the rail about its "
+        "foot. Columns: coordinates of the wheelset, motions of hub and rail.");
+    m.def(
+        "moved_slopes",
+        [](const MovedStates& states, const Blocks& tangents, const Rows& wrenches) {
+            require(tangents.shape == std::array<long, 3>{states.size(), 6, CHANGES} &&
+                        wrenches.shape == std::array<long, 2>{states.size(), 6},
+                    "tangents, wrenches: must be (w, 6, 12), (w, 6)");
+            return moved_slopes(states, tangents, wrenches);
+        },
+        "states"_a, "tangents"_a, "wrenches"_a, Unlocked(),
+        "Derivatives (w, 6, 18) of wrenches about the wheelsets' centres in the track's axes: tangents (w, 6, 12) "
+        "about "
+        "constant centres, in the axes of the moved rails; wrenches (w, 6) in the track's axes.");
 }

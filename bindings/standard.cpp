@@ -3,8 +3,8 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/tuple.h>
 
+#include "contact/models/standard/core/moved_wheels.hpp"
 #include "contact/models/standard/core/patches.hpp"
-#include "contact/models/standard/core/wheel_tangents.hpp"
 #include "structures.hpp"
 
 using namespace wr;
@@ -224,6 +224,22 @@ void bind_wheels(nb::module_& m) {
         "p"_a, "pairs"_a, "forces"_a, "wheels"_a, "states"_a, "dimensions"_a, "mirror"_a, Unlocked(),
         "Derivatives (m, 6, 9) of forces and moments by the coordinates of wheelsets; parameters as for "
         "`wheel_tangents` and `forces_in_states`, whose results these are.");
+    m.def(
+        "moved_forces", &moved_forces, "p"_a, "states"_a, Unlocked(),
+        "Pairs, axes (w, 3, 3) of their rails, and forces of one side of wheelsets with moved hubs and rails, moments "
+        "about the wheelsets' centres, in the track's axes.");
+    m.def(
+        "moved_tangents",
+        [](const Parameters& p, const WheelPairs& pairs, const WheelForces& forces, const Indices& wheels,
+           const MovedStates& states) {
+            require_wheels(pairs, forces, wheels);
+            require(states.size() == wheels.size(), "states: must be those of the wheels");
+            return moved_tangents(p, pairs, forces, wheels, states);
+        },
+        "p"_a, "pairs"_a, "forces"_a, "wheels"_a, "states"_a, Unlocked(),
+        "Derivatives (m, 6, 18) of forces and moments of left-hand wheels by coordinates of the wheelset and motions "
+        "of "
+        "hub and rail; parameters as for `wheel_tangents`, forces from `moved_forces`.");
     m.def(
         "wheel_patches",
         [](const Parameters& p, const WheelPairs& pairs, const WheelForces& forces, long i) {

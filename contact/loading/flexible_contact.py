@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from wheelrail.bindings._contact import MovedStates, moved_loads
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.loading.flexible_state import FlexibleState
+from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState
 from wheelrail.contact.loading.flexible_wheelset import Flexibility, by_unknowns
 from wheelrail.contact.loading.moved_pair import COORDINATES, MovedPair
+from wheelrail.contact.loading.moved_wheels import MovedWheels, moved_together
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
@@ -20,6 +22,7 @@ from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.contact.structure.hubs import about_hubs_line
 from wheelrail.support.arrays import Array
 
+REST = (0.0,) * len(MOTIONS)  # motions of hubs and rails that do not move
 HUBS = slice(COORDINATES, COORDINATES + 12)  # columns of derivatives by the coordinates of a `FlexibleState`
 
 
@@ -42,7 +45,7 @@ class FlexiblePairs:
         index = int(side == "right")
         mounting = self.mountings[index]
         motions = np.array(state.motions) if isinstance(state, FlexibleState) else np.zeros(18)
-        hubs = about_hubs_line(mounting.wheel_y) @ motions[:12]
+        hubs = self._lines[index] @ motions[:12]
         return MovedPair(
             mounting,
             state.mirrored() if index else state,
@@ -51,16 +54,38 @@ class FlexiblePairs:
             self.flexibility.foot(index),
         )
 
+    def states(self, states: Sequence[WheelsetState], side: Side) -> MovedStates:
+        """States of one side of several wheelsets, see `pair`."""
+        index = int(side == "right")
+        mounting, (y, z) = self.mountings[index], self.flexibility.foot(index).tolist()
+        motions = np.array([s.motions if isinstance(s, FlexibleState) else REST for s in states])
+        hubs, rails = motions[:, :12] @ self._lines[index].T, motions[:, 12 + 3 * index : 15 + 3 * index]
+        moves = np.concatenate([hubs[:, 6 * index : 6 * index + 6], rails], axis=1)
+        return MovedStates(np.array([s.values for s in states]), moves, mounting.dimensions, (y, z), index == 1)
+
+    @cached_property
+    def _lines(self) -> tuple[Array, Array]:
+        """Transformations (12, 12) of both sides, see `about_hubs_line`."""
+        left, right = (about_hubs_line(mounting.wheel_y) for mounting in self.mountings)
+        return left, right
+
+    def loads(self, state: WheelsetState, side: Side, wrench: Array) -> tuple[Array, Array]:
+        """Loads on hub and rail by the wrench (6,) of one side as a left-hand one, see `moved_loads`: matrix (9, 6) and
+        derivative (9, 27) at a constant wrench.
+        """
+        matrices, changes = moved_loads(self.states([state], side), wrench[None])
+        return matrices[0], self.by_coordinates(changes[0], side)
+
     def by_coordinates(self, slopes: Array, side: Side) -> Array:
         """Derivatives (n, 27) by `FlexibleState.coordinates`.
 
         Parameters:
-            slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.slopes`.
+            slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.wrench_slopes`.
             side: its name.
         """
         index = int(side == "right")
         out = by_unknowns(slopes, index)
-        out[:, HUBS] = out[:, HUBS] @ about_hubs_line(self.mountings[index].wheel_y)
+        out[:, HUBS] = out[:, HUBS] @ self._lines[index]
         return out
 
 
@@ -95,7 +120,29 @@ class FlexibleContact(VehicleContact):
     def concurrent(self) -> bool:
         return self.contact.concurrent
 
+    @property
+    def together(self) -> bool:
+        return self.contact.together
+
+    def solve_side(
+        self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
+    ) -> list[ContactResult]:
+        model = self.contact.batched(side)
+        if model is None or model.together is None:
+            return super().solve_side(states, side, guesses)
+        return model.results(MovedWheels.at(model.together, self.pairs.states(states, side)))
+
+    def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
+        if (wheels := moved_together(results)) is None:
+            return super().side_tangents(states, side, results)
+        solved, indices = wheels
+        slopes = solved.by_moves(indices, self.pairs.states(states, side)).reshape(6 * len(states), -1)
+        out = self.pairs.by_coordinates(slopes, side).reshape(len(states), 6, -1)
+        return out if side == "left" else MIRRORED[:, None] * out
+
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
+        if self.contact.batched(side) is not None:
+            return self.solve_side([state], side, [guess])[0]
         pair = self.pairs.pair(state, side)
         result = pair.in_track(self.contact.of(side).model(pair.pose, pair.motion, guess))
         return result if side == "left" else result.mirrored()

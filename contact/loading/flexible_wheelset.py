@@ -228,7 +228,7 @@ def by_unknowns(slopes: Array, index: int) -> Array:
     """Derivatives (n, 27) by the coordinates of the wheelset's state and the motions of both hubs and both rails.
 
     Parameters:
-        slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.slopes`.
+        slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.wrench_slopes`.
         index: of the side.
     """
     out = np.zeros((len(slopes), COLUMNS))

@@ -104,7 +104,7 @@ class Structure(ABC):
         """
         mirrored = self._mirrored(wrenches)
         return structural(
-            np.stack([self.pairs.pair(state, s).load_matrix @ w for s, w in zip(SIDES, mirrored, strict=True)])
+            np.stack([self.pairs.loads(state, s, w)[0] @ w for s, w in zip(SIDES, mirrored, strict=True)])
         )
 
     def load_slopes(self, state: WheelsetState, wrenches: Array, tangents: Array) -> Array:
@@ -116,9 +116,8 @@ class Structure(ABC):
         """
         slopes = np.zeros((2, 2, 9, COLUMNS))  # of both contacts, loads by side
         for index, (side, wrench) in enumerate(zip(SIDES, self._mirrored(wrenches), strict=True)):
-            pair, tangent = self.pairs.pair(state, side), tangents[index]
-            by_wrench = pair.load_matrix @ (MIRRORED[:, None] * tangent if index else tangent)
-            slopes[index, index] = by_wrench + self.pairs.by_coordinates(pair.load_change(wrench), side)
+            (matrix, change), tangent = self.pairs.loads(state, side, wrench), tangents[index]
+            slopes[index, index] = matrix @ (MIRRORED[:, None] * tangent if index else tangent) + change
         return np.stack([structural(own) for own in slopes])
 
     def rates(self, motions: Array, loads: Array) -> Array:

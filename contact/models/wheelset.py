@@ -46,19 +46,19 @@ class WheelsetContact(VehicleContact):
 
     @property
     def together(self) -> bool:
-        return all(self._together(side) is not None for side in SIDES)
+        return all(self.batched(side) is not None for side in SIDES)
 
     @property
     def concurrent(self) -> bool:
         return all(getattr(self.of(side).model, "concurrent", True) for side in SIDES)
 
-    def _together(self, side: Side) -> StandardContact | None:
+    def batched(self, side: Side) -> StandardContact | None:
         """Model of a side, if able to solve all wheels of the side in one call."""
         model = self.of(side).model
         return model if isinstance(model, StandardContact) and model.together is not None else None
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
-        if self._together(side) is not None:
+        if self.batched(side) is not None:
             return self.solve_side([state], side, [guess])[0]
         own, left_state = self.of(side), state if side == "left" else state.mirrored()
         pose, motion = own.mounting.left_pair(left_state)
@@ -68,7 +68,7 @@ class WheelsetContact(VehicleContact):
     def solve_side(
         self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
     ) -> list[ContactResult]:
-        model = self._together(side)
+        model = self.batched(side)
         if model is None:
             return super().solve_side(states, side, guesses)
         assert model.together is not None
@@ -92,7 +92,7 @@ class WheelsetContact(VehicleContact):
         return np.asarray(by_states(tangent, wrench, values, own.mounting.dimensions[0], mirror)[0])
 
     def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
-        model, wheels = self._together(side), solved_together(results)
+        model, wheels = self.batched(side), solved_together(results)
         if model is None or wheels is None:
             return super().side_tangents(states, side, results)
         values, dimensions = np.array([state.values for state in states]), self.of(side).mounting.dimensions

@@ -66,7 +66,7 @@ MAY_IMPORT["contact.models"] = {
 }
 MAY_IMPORT |= {
     "contact.loading": {"contact.geometry", "contact.kinematics", "contact.models", "contact.results", "support"}
-    | {"contact.solvers", "contact.structure"},
+    | {"contact.models.standard", "contact.solvers", "contact.structure"},
     "contact.tables": {"contact.kinematics", "contact.laws", "contact.loading", "contact.models.table"}
     | {"contact.results", "support"},
     "contact.stress": MAY_IMPORT["contact.models"] | {"contact.models"},

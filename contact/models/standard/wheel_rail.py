@@ -24,7 +24,7 @@ from wheelrail.bindings._contact import (
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.left_pair import Dimensions, one_pair
 from wheelrail.contact.results.patch_sums import patches_of
-from wheelrail.contact.results.result import ContactResult, Patch
+from wheelrail.contact.results.result import ContactResult, ForceTangent, Patch
 from wheelrail.contact.solvers.tangent import ContactTangent
 from wheelrail.support.arrays import Array, Nodes
 
@@ -58,10 +58,14 @@ class SolvedWheels:
 
     def patches(self, i: int) -> tuple[Patch, ...]:
         """Patches of a wheel that touches its rail."""
-        own = patches_of(wheel_patches(self.parameters, self.pairs, self.forces, i))
+        own = self.patches_of_pair(i)
         return tuple(patch.mirrored() for patch in own) if self.mirror else own
 
-    def tangent(self, i: int) -> ContactTangent:
+    def patches_of_pair(self, i: int) -> tuple[Patch, ...]:
+        """The same of the pair, in its axes."""
+        return patches_of(wheel_patches(self.parameters, self.pairs, self.forces, i))
+
+    def tangent(self, i: int) -> ForceTangent:
         """Tangent of a result."""
         return ContactTangent(WheelDerivative(self, i), self.pairs.centre[i], self.mirror)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -25,7 +25,7 @@ from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.wheelset import WheelsetContact
-from wheelrail.contact.results.result import ContactResult
+from wheelrail.contact.results.result import ContactResult, ForceTangent
 from wheelrail.contact.structure.hubs import hub_compliance
 from wheelrail.contact.structure.padded_section import PaddedSection
 from wheelrail.contact.structure.pads import RailPads, rail_compliance
@@ -224,28 +224,61 @@ def test_stiffness_is_that_of_springs_in_series() -> None:
     assert -equilibrium.tangent[0, 2, 1] == pytest.approx(1 / springs, rel=0.03)
 
 
+@dataclass(frozen=True, eq=False)
+class Linear(ForceTangent):
+    """A given derivative (6, 12)."""
+
+    matrix: Array
+
+    def __call__(self) -> Array:
+        return self.matrix
+
+    def about(self, centre: Array) -> Linear:
+        change = self.matrix.copy()
+        change[3:] -= np.cross(centre, change[:3].T).T
+        return Linear(change)
+
+    def mirrored(self) -> Linear:
+        raise NotImplementedError
+
+
 def test_slopes_of_a_moved_pair() -> None:
+    """Wrench and loads of a contact that is linear in pose and motion, against differences."""
     rng = np.random.default_rng(7)
     state = WheelsetState(0.002, -2e-4, 1e-3, 2e-3, 0.01, 0.002, -0.003, 0.004, 21.7, SPEED, (1e-3, -2e-4, 0.01))
     hub, rail, foot = 1e-3 * rng.normal(size=6), 1e-3 * rng.normal(size=3), np.array([-0.0032, -0.172])
+    wrench, tangent, h = rng.normal(size=6), rng.normal(size=(6, 12)), 1e-5
 
     def pair(change: Array) -> MovedPair:
         names = WheelsetState.coordinates
         moved = {name: getattr(state, name) + change[i] for i, name in enumerate(names)}
         return MovedPair(MOUNTING, replace(state, **moved), hub + change[9:15], rail + change[15:], foot)
 
-    slopes, h = pair(np.zeros(18)).slopes, 1e-5
-    for column, direction in enumerate(np.eye(18)):
-        ahead, behind = pair(h * direction), pair(-h * direction)
-        turn = ahead.pose.rotation @ behind.pose.rotation.T
-        wheels = ahead.motion.wheel, behind.motion.wheel
-        change = [
-            ahead.pose.origin - behind.pose.origin,
+    at = pair(np.zeros(18))
+
+    def result(change: Array, derivative: Array) -> tuple[MovedPair, ContactResult]:
+        own = pair(change)
+        turn, wheels = own.pose.rotation @ at.pose.rotation.T, (own.motion.wheel, at.motion.wheel)
+        moved = [
+            own.pose.origin - at.pose.origin,
             0.5 * np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]),
             wheels[0].velocity - wheels[1].velocity,
             wheels[0].rotation - wheels[1].rotation,
         ]
-        np.testing.assert_allclose(slopes[:, column], np.concatenate(change) / (2 * h), atol=1e-7)
+        force, moment = np.split(wrench + derivative @ np.concatenate(moved), 2)
+        solved = ContactResult(force=force, moment=moment, status="converged", force_tangent=Linear(derivative))
+        return own, own.in_track(solved)
+
+    slopes = at.wrench_slopes(result(np.zeros(18), tangent)[1])
+    constant = result(np.zeros(18), tangent)[1]
+    given = np.concatenate([constant.force, constant.moment])
+    change = at.load_change(given)
+    for column, direction in enumerate(np.eye(18)):
+        ends = [result(way * h * direction, tangent) for way in (1.0, -1.0)]
+        wrenches = [np.concatenate([own.force, own.moment]) for _, own in ends]
+        np.testing.assert_allclose(slopes[:, column], (wrenches[0] - wrenches[1]) / (2 * h), atol=1e-7)
+        loads = [moved.load_matrix @ given for moved, _ in ends]
+        np.testing.assert_allclose(change[:, column], (loads[0] - loads[1]) / (2 * h), atol=1e-7)
 
 
 def test_without_motion_the_pair_is_that_of_the_mounting() -> None:

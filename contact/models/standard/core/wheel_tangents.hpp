@@ -74,6 +74,14 @@ inline Array<double, 3> wheel_tangents(const Parameters& p, const WheelPairs& pa
     return tangents;
 }
 
+// Turn derivatives (6, 12) about the rail's origin into those about a constant centre (3,) m.
+inline void about_centre(const View<double, 2>& tangent, const Numbers& centre) {
+    for (int q = 0; q < CHANGES; ++q) {
+        auto moment = cross(vec_of(centre), Vec<double>{tangent(0, q), tangent(1, q), tangent(2, q)});
+        tangent(3, q) -= moment.x, tangent(4, q) -= moment.y, tangent(5, q) -= moment.z;
+    }
+}
+
 // Derivatives (m, 6, 9) of forces and moments by wheelset coordinates, for states (m, 17) and dimensions; mirror:
 // whether they are the right wheels.
 inline Array<double, 3> tangents_in_states(const Parameters& p, const WheelPairs& pairs, const WheelForces& forces,
@@ -85,11 +93,7 @@ inline Array<double, 3> tangents_in_states(const Parameters& p, const WheelPairs
         if (wheels(m) < 0) continue;
         auto wrench = forces.wrench[wheels(m)], c = pairs.centre[wheels(m)];
         std::copy(wrench.begin(), wrench.end(), wrenches[m].begin());
-        auto own = tangents[m];
-        for (int q = 0; q < CHANGES; ++q) {  // about the wheelsets' centres
-            auto moment = cross(vec_of(c), Vec<double>{own(0, q), own(1, q), own(2, q)});
-            own(3, q) -= moment.x, own(4, q) -= moment.y, own(5, q) -= moment.z;
-        }
+        about_centre(tangents[m], c);
     }
     return by_states(tangents, wrenches, states, dimensions[0], mirror);
 }
