@@ -104,7 +104,8 @@ worn.plot.fatigue()
 # ## The worn wheel in contact
 #
 # `worn.profile` is a profile as any other: largest pressures, MPa, of a wheelset under 57 kN a wheel by its lateral
-# displacement. The new flange root bears 2.8 GPa at 6 mm, the worn one less than half; at 4 mm the worn wheel bears more.
+# displacement. The new flange root bears 2.8 GPa at 6 mm, the worn one less than half; at 4 mm the worn wheel bears
+# more.
 
 # %%
 new = wr.profile("S1002")
