@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,7 +20,9 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
+from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
@@ -128,3 +131,21 @@ def test_a_wheelset_without_axle_is_another_run() -> None:
     whole, one = scene("[wheelset.axle]\n"), scene("[wheelset.axle]\n[wheelsets.wheelset_1]\naxle = false\n")
     assert inputs(one)["wheelsets"] == {"wheelset_1": {"axle": False}}
     assert "wheelsets" not in inputs(whole)
+
+
+def test_resumed_runs_are_the_same_to_the_last_bit() -> None:
+    own = parse_scene(STANDARD + "[track.pads]\n[track.ballast]\n[wheelset.axle]\n", SCENES / "scene.toml")
+    assert isinstance(own, RunScene)
+    vehicle = vehicle_on(own, FILE)
+    contact, structures = run_contact(own, vehicle.wheelsets)
+    track = Track.curve(curvature=1 / 600, cant=0.06, transition=15.0, length=50.0)
+    dynamics, steps = VehicleDynamics(vehicle, track, contact, 45.0, structures), StepSettings("rosenbrock", 3e-3, 3e-5)
+    written = list[Checkpoint]()
+    every = Checkpoints(4, lambda own: written.append(deepcopy(own)))  # whose rows go on
+    whole = simulate(dynamics, (0.0, 0.3), steps=steps, recording=Recording(None, every))
+    assert len(written) > 2
+    resumed = Recording(None, replace(every, latest=written[1]))
+    again = simulate(dynamics, (0.0, 0.3), steps=steps, recording=resumed)
+    np.testing.assert_array_equal(again.time, whole.time)
+    np.testing.assert_array_equal(again.state, whole.state)
+    np.testing.assert_array_equal(again.force, whole.force)
