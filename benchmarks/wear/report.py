@@ -1,8 +1,9 @@
 """Wear of profiles against closed forms and identities: check, figure, tolerance, pass.
 
     python -m benchmarks.wear [NUMBER ...] [--json FILE]
+    python -m benchmarks.wear --duty KM [--contact NAME] [--depth M]
 
-Numbers choose checks.
+Numbers choose checks; the second form times the wear of a duty, step by step.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from benchmarks.common.machine import machine_description
-from benchmarks.wear import contact, removal, steps
+from benchmarks.wear import contact, loop, removal, steps
 from benchmarks.wear.check import Check
 
 CHECKS: Mapping[int, Callable[[], Iterator[Check]]] = {
@@ -27,8 +28,10 @@ CHECKS: Mapping[int, Callable[[], Iterator[Check]]] = {
     5: removal.removed_volume,
     6: removal.ripples,
     7: steps.steps,
+    8: loop.hands,
     9: contact.mild_wear,
     10: removal.measures,
+    11: loop.resumed,
     12: contact.models_agree,
 }
 
@@ -38,11 +41,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.wear", description=__doc__)
     parser.add_argument("numbers", nargs="*", type=int, metavar="NUMBER", help=f"of {', '.join(map(str, CHECKS))}")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures to a file")
+    parser.add_argument("--duty", type=float, metavar="KM", help="time the wear of a duty over a distance")
+    parser.add_argument("--contact", default="condensed", metavar="NAME", help="of the duty: standard or condensed")
+    parser.add_argument("--depth", type=float, default=1e-4, metavar="M", help="largest of a step of the duty")
     arguments = parser.parse_args()
     if unknown := set(arguments.numbers) - set(CHECKS):
         parser.error(f"no check {min(unknown)}; there are {', '.join(map(str, CHECKS))}")
     logging.disable(logging.WARNING)
     print(machine_description())
+    if arguments.duty is not None:
+        standard = {"scene": loop.FILES["scene"], "contact": {}} if arguments.contact == "standard" else {}
+        loop.duty(1e3 * arguments.duty, depth=arguments.depth, **standard)
+        return
     print("\n| check | figure | tolerance | pass |\n|---|---|---|---|", flush=True)
     checks = []
     for number in arguments.numbers or CHECKS:

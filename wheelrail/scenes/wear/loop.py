@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -30,7 +30,7 @@ from wheelrail.scenes.datasets.wear import (
 )
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.toml import read_text
-from wheelrail.scenes.wear.cases import CaseRates, CurveStart, Duty
+from wheelrail.scenes.wear.cases import Case, CaseRates, CurveStart, Duty
 from wheelrail.scenes.wear.jobs import CaseJob, rates_of
 from wheelrail.scenes.wear.rails import rail_rates, stored_rail_rates
 from wheelrail.support.arrays import Array
@@ -43,10 +43,11 @@ if TYPE_CHECKING:
 STEPS, RESULTS = "steps", "wear.nc"  # folder of the steps in that of the results, and the whole
 TOGETHER = 0.5  # of the depth of a rail's step: rails that are due when another one reaches the whole
 ROUNDING = 1e-9  # of the whole distance: a rest that is none
-STARTS = "starts"  # of the curves of the next step, in the file of a step: bytes of plain data
-PACKAGES = ("wheelrail.bindings", "wheelrail.contact", "wheelrail.scenes.wear")  # of its classes
+SOLVED = "solved"  # rates of the cases that a step solves, in its file: bytes of plain data
+PACKAGES = tuple(f"wheelrail.{name}" for name in ("bindings", "contact", "vehicle", "scenes.wear"))  # of its classes
+UNCHANGED = 0.1  # of the last change of all rates: change of a case below which its last rates count again
 
-Starts = Mapping[str, Mapping[str, CurveStart]]  # by case and hand
+Solved = Mapping[str, CaseRates]  # by case
 
 
 @dataclass(frozen=True)
@@ -58,9 +59,9 @@ class WearState:
         renewed: those that the compliance of the bodies is of.
         distance: m.
         turned: number of reprofilings.
-        solved: distances, m, of the last two steps with rates, at most, and the starts that they left.
+        solved: distances, m, and rates of the last two solves of each case, at most.
         rails: those that wear, by name.
-        before: area rates (profiles, n) m of the step before; None at the start and after a reprofiling.
+        before: area rates (profiles, n) m of the last two steps, at most; none after a reprofiling.
     """
 
     profiles: dict[str, WearingProfile]
@@ -68,17 +69,32 @@ class WearState:
     distance: float = 0.0
     turned: int = 0
     rails: dict[str, WearingRail] = field(default_factory=dict)
-    solved: tuple[tuple[float, Starts], ...] = ()
-    before: Array | None = None
+    solved: Mapping[str, tuple[tuple[float, CaseRates], ...]] = field(default_factory=dict)
+    before: tuple[Array, ...] = ()
 
     def starts(self, case: str) -> dict[str, CurveStart]:
         """Starts of the curves of a case by hand: wheels sink as they wear, straight in the distance."""
-        known = [(distance, starts[case]) for distance, starts in self.solved if case in starts]
+        known = self.solved.get(case, ())
         if len(known) < 2:
-            return dict(known[0][1]) if known else {}
+            return dict(known[0][1].starts) if known else {}
         (d0, first), (d1, last) = known
         part = (self.distance - d1) / (d1 - d0)
-        return {hand: own.moved(part * (own.state - first[hand].state)) for hand, own in last.items()}
+        return {hand: own.moved(part * (own.state - first.starts[hand].state)) for hand, own in last.starts.items()}
+
+    def kept(self, case: str, share: float) -> CaseRates | None:
+        """Last rates of a case, if a solve would change all rates by less than a tenth of the error of the steps.
+
+        Parameters:
+            case: name.
+            share: of the distance.
+        """
+        known = self.solved.get(case, ())
+        if len(known) < 2 or len(self.before) < 2 or self.rails:
+            return None
+        (d0, first), (d1, last) = known
+        rates = [np.stack([own.removed for own in solved.rates.wheels.values()]) for solved in (first, last)]
+        change = share * np.linalg.norm(rates[1] - rates[0]) * 2.0 * (self.distance - d1) / (d1 - d0)
+        return last if change <= UNCHANGED * np.linalg.norm(self.before[1] - self.before[0]) else None
 
     @property
     def surfaces(self) -> dict[str, WearingProfile]:
@@ -173,8 +189,9 @@ class WearLoop:
 
     def _stored(self, state: WearState, step: Dataset) -> WearState:
         """The state before a stored step."""
-        starts = decode(step[STARTS].values.tobytes(), PACKAGES) if STARTS in step else {}
-        return replace(state, solved=(*state.solved[-1:], (state.distance, starts)))
+        new: Solved = decode(step[SOLVED].values.tobytes(), PACKAGES)
+        solved = {case: (*state.solved.get(case, ())[-1:], (state.distance, own)) for case, own in new.items()}
+        return replace(state, solved={**state.solved, **solved})
 
     def _run(self, state: WearState) -> None:
         """Steps from a state up to the end of the distance."""
@@ -196,14 +213,14 @@ class WearLoop:
         }
         while True:
             start = perf_counter()
-            values, starts = self._measured(state), dict[str, Mapping[str, CurveStart]]()
+            values, solved = self._measured(state), dict[str, CaseRates]()
             if state.distance < until:
-                rates, starts = self._rated(state)
+                rates, solved = self._rated(state)
                 values |= rates
             values["seconds"] = perf_counter() - start
             rails = {name: rail.profile for name, rail in state.rails.items()}
             step = step_dataset(state.profiles, shares, values, attributes, rails)
-            step = step.assign({STARTS: ("byte", np.frombuffer(encode(starts), np.uint8))})
+            step = step.assign({SOLVED: ("byte", np.frombuffer(encode(solved), np.uint8))})
             if self.folder is not None:
                 write(step, self.folder / STEPS / f"{len(self.steps):05d}.nc")
             self.steps.append(step)
@@ -243,35 +260,35 @@ class WearLoop:
             for name, own in state.profiles.items()
         ]
 
-    def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, Mapping[str, CurveStart]]]:
-        """Values of the rates of all cases, and starts of the next solves of their curves."""
-        solved = list(self._case_rates(state))
-        cases = [case.rates for case in solved]
-        starts = {case.name: rated.starts for case, rated in zip(self.duty.cases, solved, strict=True)}
+    def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, CaseRates]]:
+        """Values of the rates of all cases, and rates of the cases that are solved for them."""
+        every = self.duty.cases
+        kept = {case.name: state.kept(case.name, case.table.share) for case in every}
+        open_cases = [(number, case) for number, case in enumerate(every) if kept[case.name] is None]
+        rated = zip(open_cases, self._case_rates(state, open_cases), strict=True)
+        solved = {case.name: rates for (_, case), rates in rated}
+        cases = [(kept | solved)[case.name].rates for case in every]  # type: ignore[union-attr]
         shares = [case.table.share for case in self.duty.cases]
         _, values = rate_values(state.profiles, cases, shares)
         values |= rail_rate_values(rail_rates(state.rails, [case.passages for case in cases], shares).values())
-        if state.before is not None:
-            change = 0.5 * np.linalg.norm(values["area_rate"] - state.before, axis=1)
-            size = np.linalg.norm(state.before, axis=1)
+        if state.before:
+            change = 0.5 * np.linalg.norm(values["area_rate"] - state.before[-1], axis=1)
+            size = np.linalg.norm(state.before[-1], axis=1)
             values["step_error"] = np.divide(change, size, out=np.zeros(len(size)), where=size > 0.0)
-        return values, starts
+        return values, solved
 
-    def _case_rates(self, state: WearState) -> Iterator[CaseRates]:
-        """Rates of the cases at a state, in their order."""
-        words, done, cases = f"step {len(self.steps)}", state.distance / self.duty.table.until, self.duty.cases
+    def _case_rates(self, state: WearState, cases: Sequence[tuple[int, Case]]) -> Iterator[CaseRates]:
+        """Rates of cases with their numbers at a state, in their order."""
+        words, done = f"step {len(self.steps)}", state.distance / self.duty.table.until
         profiles, renewed = state.surfaces, state.renewed
         if self.executor is not None:
-            jobs = [
-                CaseJob.of(self.duty, number, profiles, renewed, state.starts(case.name))
-                for number, case in enumerate(cases)
-            ]
+            jobs = [CaseJob.of(self.duty, number, profiles, renewed, state.starts(case.name)) for number, case in cases]
             for number, rates in enumerate(rates_of(self.executor, jobs), start=1):
                 self.report(done, f"{words}: {number} of {len(cases)} cases")
                 yield rates
             return
-        with self.duty.contacts(profiles, renewed, cases) as contacts:
-            for case in cases:
+        with self.duty.contacts(profiles, renewed, [case for _, case in cases]) as contacts:
+            for _, case in cases:
                 self.report(done, f"{words}: {case.name}")
                 yield self.duty.rates(case, contacts[case.contact_key], profiles, state.starts(case.name))
 
@@ -306,10 +323,11 @@ class WearLoop:
                 )
                 for name, rail in state.rails.items()
             }
-        after = replace(state, profiles=profiles, rails=rails, distance=reached, before=step["area_rate"].values)
+        before = (*state.before[-1:], step["area_rate"].values)
+        after = replace(state, profiles=profiles, rails=rails, distance=reached, before=before)
         if table.reprofile is not None and self._worn_out(after):
             unworn = self.duty.unworn()
-            after = replace(after, profiles=unworn, turned=state.turned + 1, solved=(), before=None)
+            after = replace(after, profiles=unworn, turned=state.turned + 1, solved={}, before=())
             return replace(after, renewed=after.surfaces)
         depth = max(float(np.max(own.depth - state.renewed[name].depth)) for name, own in after.surfaces.items())
         return replace(after, renewed=after.surfaces) if depth > table.renew else after
