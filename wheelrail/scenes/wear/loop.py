@@ -184,12 +184,11 @@ class WearLoop:
                 file.unlink()
                 break
             self.steps.append(step)
-            state = self._after(self._stored(state, step), step)
+            state = self._after(self._solved(state, decode(step[SOLVED].values.tobytes(), PACKAGES)), step)
         return state
 
-    def _stored(self, state: WearState, step: Dataset) -> WearState:
-        """The state before a stored step."""
-        new: Solved = decode(step[SOLVED].values.tobytes(), PACKAGES)
+    def _solved(self, state: WearState, new: Solved) -> WearState:
+        """The state with the rates of the cases that are solved for its step."""
         solved = {case: (*state.solved.get(case, ())[-1:], (state.distance, own)) for case, own in new.items()}
         return replace(state, solved={**state.solved, **solved})
 
@@ -226,7 +225,7 @@ class WearLoop:
             self.steps.append(step)
             if state.distance >= until:
                 return
-            state = self._after(self._stored(state, step), step)
+            state = self._after(self._solved(state, solved), step)
 
     def _measured(self, state: WearState) -> dict[str, Any]:
         """Values of the profiles of a state."""
