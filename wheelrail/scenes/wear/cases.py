@@ -51,26 +51,11 @@ Profiles = Mapping[str, WearingProfile]  # by name
 
 
 @dataclass(frozen=True)
-class CurveStart:
-    """State of a steady curve and warm starts of its contacts, by wheelset and side, from which the next solve starts.
-
-    Plain data, with which a resumed loop repeats all bits.
-    """
-
-    state: Array
-    warm_starts: Mapping[str, Mapping[Side, object]]
-
-    def moved(self, change: Array) -> CurveStart:
-        """The start with its state changed."""
-        return replace(self, state=self.state + change)
-
-
-@dataclass(frozen=True)
 class CaseRates:
-    """Rates of a case, and starts of its next solve by hand."""
+    """Rates of a case, and the states of its curves by hand, from which the next solves start."""
 
     rates: MeanRates
-    starts: Mapping[str, CurveStart]
+    states: Mapping[str, Array]
 
 
 @dataclass(frozen=True)
@@ -364,7 +349,7 @@ class Duty:
         case: Case,
         contact: CaseContact,
         profiles: Profiles,
-        starts: Mapping[str, CurveStart],
+        guesses: Mapping[str, Array],
     ) -> CaseRates:
         """Rates of a case.
 
@@ -372,7 +357,7 @@ class Duty:
             case: of this duty.
             contact: on the present profiles.
             profiles: present ones, also of rails that wear.
-            starts: of its curves, by hand.
+            guesses: states of its curves, by hand.
 
         Raises RunFailed that names the case.
         """
@@ -385,14 +370,14 @@ class Duty:
             (name, side): surface(self.profile_of(name, side, case.turned), name, side) for name, side in case.wheels
         }
         rails = {side: surface(name, case.vehicle.wheelsets[0], side) for side, name in case.rails.items()}
-        rates, after = MotionRates(surfaces, self.law, rails), dict[str, CurveStart]()
+        rates, after = MotionRates(surfaces, self.law, rails), dict[str, Array]()
         try:
             if case.table.steady is None:
                 self._run(case, contact, rates)
             else:
                 both = case.table.both_hands and self.table.sides_apart and not case.rails
                 for hand in (1, -1) if both else (case.hand,):
-                    after[str(hand)] = self._curve(case, contact, hand, rates, starts.get(str(hand)))
+                    after[str(hand)] = self._curve(case, contact, hand, rates, guesses.get(str(hand)))
         except RunFailed as error:
             raise RunFailed(f"duty {case.name!r}: {error}") from None
         means = rates.means
@@ -402,10 +387,8 @@ class Duty:
             )
         return CaseRates(means, after)
 
-    def _curve(
-        self, case: Case, contact: CaseContact, hand: int, rates: MotionRates, start: CurveStart | None
-    ) -> CurveStart:
-        """Add the wheels of a steady curve; the start of its next solve."""
+    def _curve(self, case: Case, contact: CaseContact, hand: int, rates: MotionRates, guess: Array | None) -> Array:
+        """Add the wheels of a steady curve; its state."""
         from wheelrail.vehicle.multibody.equations import VehicleDynamics
         from wheelrail.vehicle.steady.equilibrium import equilibrium
 
@@ -415,17 +398,11 @@ class Duty:
         loads = applied_loads(case.scene, case.vehicle)
         motion = contact.motion
         dynamics = VehicleDynamics(case.vehicle, curve.track, motion, steady.speed, None, loads)
-        near = None if start is None else _guesses(motion, start)
         with failures_as_run_failed():
-            guess = None if start is None else start.state
-            found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess, near=near)
+            found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess)
         states = found.dynamics.wheelset_states(found.time, found.state)
         rates.add(steady.speed, contact.results()(states, found.contacts))
-        starts = {
-            name: {side: motion.warm_start(side, sides[side]) for side in sides}
-            for name, sides in found.contacts.items()
-        }
-        return CurveStart(found.state, starts)
+        return found.state
 
     def _run(self, case: Case, contact: CaseContact, rates: MotionRates) -> None:
         """Add the wheels of the rows of a run."""
@@ -453,11 +430,3 @@ class Duty:
 def _same(wheel: tuple[Profile, float], other: tuple[Profile, float]) -> bool:
     """Whether new wheels have the same profile and radius."""
     return wheel[0].digest() == other[0].digest() and wheel[1] == other[1]
-
-
-def _guesses(contact: VehicleContact, start: CurveStart) -> WheelContacts:
-    """Initial guesses of the contacts of a start."""
-    return {
-        name: {side: contact.guess(side, warm_start) for side, warm_start in sides.items()}
-        for name, sides in start.warm_starts.items()
-    }

@@ -12,7 +12,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
-from wheelrail.scenes.wear.cases import CaseRates, CurveStart, Duty
+from wheelrail.scenes.wear.cases import CaseRates, Duty
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.wear.evolution import WearingProfile
 
@@ -29,7 +29,7 @@ class CaseJob:
         number: of the case.
         present: profiles.
         renewed: those that the compliance of the bodies is of.
-        starts: of its curves, by hand.
+        guesses: states of its curves, by hand.
     """
 
     table: bytes
@@ -37,7 +37,7 @@ class CaseJob:
     number: int
     present: Removed
     renewed: Removed
-    starts: Mapping[str, CurveStart]
+    guesses: Mapping[str, Array]
 
     @classmethod
     def of(
@@ -46,11 +46,11 @@ class CaseJob:
         number: int,
         profiles: Mapping[str, WearingProfile],
         renewed: Mapping[str, WearingProfile],
-        starts: Mapping[str, CurveStart],
+        guesses: Mapping[str, Array],
     ) -> CaseJob:
         """Job of a case of a duty at present profiles."""
         present, earlier = ({name: own.removed for name, own in each.items()} for each in (profiles, renewed))
-        return cls(pickle.dumps(duty.table), duty.path, number, present, earlier, starts)
+        return cls(pickle.dumps(duty.table), duty.path, number, present, earlier, guesses)
 
 
 def rated(job: CaseJob) -> CaseRates:
@@ -65,7 +65,7 @@ def rated(job: CaseJob) -> CaseRates:
     }
     case = duty.cases[job.number]
     with duty.contacts(profiles, renewed, [case], threads=1) as contacts:
-        return duty.rates(case, contacts[case.contact_key], profiles, job.starts)
+        return duty.rates(case, contacts[case.contact_key], profiles, job.guesses)
 
 
 @lru_cache(maxsize=1)

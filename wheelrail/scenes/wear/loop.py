@@ -30,7 +30,7 @@ from wheelrail.scenes.datasets.wear import (
 )
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.toml import read_text
-from wheelrail.scenes.wear.cases import Case, CaseRates, CurveStart, Duty
+from wheelrail.scenes.wear.cases import Case, CaseRates, Duty
 from wheelrail.scenes.wear.jobs import CaseJob, rates_of
 from wheelrail.scenes.wear.rails import rail_rates, stored_rail_rates
 from wheelrail.support.arrays import Array
@@ -72,14 +72,14 @@ class WearState:
     solved: Mapping[str, tuple[tuple[float, CaseRates], ...]] = field(default_factory=dict)
     before: tuple[Array, ...] = ()
 
-    def starts(self, case: str) -> dict[str, CurveStart]:
-        """Starts of the curves of a case by hand: wheels sink as they wear, straight in the distance."""
+    def guesses(self, case: str) -> dict[str, Array]:
+        """States from which the curves of a case start, by hand: wheels sink as they wear, straight in the distance."""
         known = self.solved.get(case, ())
         if len(known) < 2:
-            return dict(known[0][1].starts) if known else {}
+            return dict(known[0][1].states) if known else {}
         (d0, first), (d1, last) = known
         part = (self.distance - d1) / (d1 - d0)
-        return {hand: own.moved(part * (own.state - first.starts[hand].state)) for hand, own in last.starts.items()}
+        return {hand: state + part * (state - first.states[hand]) for hand, state in last.states.items()}
 
     def kept(self, case: str, share: float) -> CaseRates | None:
         """Last rates of a case, if a solve would change all rates by less than a tenth of the error of the steps.
@@ -281,7 +281,9 @@ class WearLoop:
         words, done = f"step {len(self.steps)}", state.distance / self.duty.table.until
         profiles, renewed = state.surfaces, state.renewed
         if self.executor is not None:
-            jobs = [CaseJob.of(self.duty, number, profiles, renewed, state.starts(case.name)) for number, case in cases]
+            jobs = [
+                CaseJob.of(self.duty, number, profiles, renewed, state.guesses(case.name)) for number, case in cases
+            ]
             for number, rates in enumerate(rates_of(self.executor, jobs), start=1):
                 self.report(done, f"{words}: {number} of {len(cases)} cases")
                 yield rates
@@ -289,7 +291,7 @@ class WearLoop:
         with self.duty.contacts(profiles, renewed, [case for _, case in cases]) as contacts:
             for _, case in cases:
                 self.report(done, f"{words}: {case.name}")
-                yield self.duty.rates(case, contacts[case.contact_key], profiles, state.starts(case.name))
+                yield self.duty.rates(case, contacts[case.contact_key], profiles, state.guesses(case.name))
 
     def _after(self, state: WearState, step: Dataset) -> WearState:
         """The state after a step with given rates."""
