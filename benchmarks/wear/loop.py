@@ -25,7 +25,7 @@ LAW = {"name": "usfd", "scale": 0.18}
 SHARP = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
 WIDE = {"curvature": 1.0 / 1200.0, "cant": 0.06, "speed": 35.0}
 KEPT = 3  # largest number of worn bodies
-STRIPS = {"model": "condensed", "laws": "exact", "bodies": "half-space", "surface_size": 1e-3, "strips": 6, "cells": 10}
+STRIPS = {"model": "condensed", "laws": "exact", "surface_size": 1e-3, "strips": 6, "cells": 10}
 
 
 def worn(*duty: Mapping[str, Any], folder: Path | None = None, resume: bool = False, **more: Any) -> Dataset:
@@ -69,7 +69,7 @@ def resumed() -> Iterator[Check]:
         if key != "seconds"
     )
     yield Check("resumed loop: variables of other bits", float(not same), 0.0)
-    elastic = {"share": 1.0, "steady": SHARP, "set": {**STRIPS, "bodies": "finite"}}
+    elastic = {"share": 1.0, "steady": SHARP, "set": STRIPS}
     worn(elastic, until=1.0)
     before = _cached()
     worn(elastic, until=2e6, depth=1e-4, renew=1e-6)
