@@ -59,7 +59,8 @@ class FlexiblePairs:
         index = int(side == "right")
         mounting, (y, z) = self.mountings[index], self.flexibility.foot(index).tolist()
         motions = np.array([s.motions if isinstance(s, FlexibleState) else REST for s in states])
-        hubs, rails = motions[:, :12] @ self._lines[index].T, motions[:, 12 + 3 * index : 15 + 3 * index]
+        # A product for each state: rounding must not depend on the others that are solved together.
+        hubs, rails = (motions[:, None, :12] @ self._lines[index].T)[:, 0], motions[:, 12 + 3 * index : 15 + 3 * index]
         moves = np.concatenate([hubs[:, 6 * index : 6 * index + 6], rails], axis=1)
         return MovedStates(np.array([s.values for s in states]), moves, mounting.dimensions, (y, z), index == 1)
 
@@ -136,8 +137,8 @@ class FlexibleContact(VehicleContact):
         if (wheels := moved_together(results)) is None:
             return super().side_tangents(states, side, results)
         solved, indices = wheels
-        slopes = solved.by_moves(indices, self.pairs.states(states, side)).reshape(6 * len(states), -1)
-        out = self.pairs.by_coordinates(slopes, side).reshape(len(states), 6, -1)
+        slopes = solved.by_moves(indices, self.pairs.states(states, side)).reshape(len(states), 6, -1)
+        out = np.array([self.pairs.by_coordinates(own, side) for own in slopes])
         return out if side == "left" else MIRRORED[:, None] * out
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:

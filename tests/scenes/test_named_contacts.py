@@ -28,7 +28,7 @@ from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.simulation.simulate import simulate
-from wheelrail.vehicle.steady.equilibrium import Equilibrium
+from wheelrail.vehicle.steady.equilibrium import Equilibrium, equilibrium
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
@@ -188,3 +188,21 @@ def test_contact_of_an_unknown_wheelset() -> None:
     own = run_contact(scene(""), ())[0]
     with pytest.raises(InvalidVehicle, match="contact: of an unknown wheelset 'front': must be one of wheelset_1, "):
         VehicleDynamics(load_vehicle(), Track(), ContactsByWheelset(own, {"front": own}), 25.0)
+
+
+def test_names_of_equal_contacts_change_nothing_on_elastic_track() -> None:
+    """Axles and rails that move, of one wheelset on ballast: bitwise; and a contact of its own keeps its structure."""
+    elastic = "[track.pads]\n[wheelset.axle]\n[wheelsets.wheelset_1]\nballast = true\n"
+    vehicle, found = load_vehicle(), []
+    for names in ("", EQUAL, '[contacts.a]\nwheelsets = ["wheelset_2"]\nfriction = 0.02\n'):
+        contact, structures = run_contact(scene(elastic + names), vehicle.wheelsets)
+        dynamics = VehicleDynamics(vehicle, ConstantCurve(25.0, 1 / 600, 0.1).track, contact, 25.0, structures)
+        found.append(equilibrium(dynamics))
+    np.testing.assert_array_equal(found[1].state, found[0].state)
+    assert found[2].state.shape == found[0].state.shape
+    assert found[2].residual < 1e-6
+    slippery, dry = (forces(at, "wheelset_2") for at in (found[2], found[0]))
+    assert (abs(slippery[:, 0]) < 0.021 * slippery[:, 2]).all()
+    assert (abs(dry[:, 0]) > 0.05 * dry[:, 2]).all()
+    with pytest.raises(SceneError, match=re.escape('contacts.a: allowed with model = "standard" only with')):
+        scene(elastic + '[contacts.a]\nwheelsets = ["wheelset_1"]\ntangential = "polach"\n')

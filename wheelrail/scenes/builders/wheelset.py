@@ -85,29 +85,38 @@ def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleConta
 
     Errors as for `wheelset_contact`.
     """
-    profiles, models = side_profiles(scene), dict[Any, Any]()
-    contact = wheelset_contact(scene, profiles, models)
-    if scene.contacts:
-        from wheelrail.contact.results.vehicle_contact import ContactsByWheelset
-
-        own: dict[str, VehicleContact] = {}
-        for named in scene.contacts.values():
-            own |= dict.fromkeys(named.wheelsets, wheelset_contact(named, None, models))
-        return ContactsByWheelset(contact, own), None
+    profiles, contacts = dict[int, SideProfiles](), dict[int, Any]()  # by contact of the scene
+    models = dict[Any, Any]()
+    for named in (scene, *(scene.contacts or {}).values()):
+        profiles[id(named)] = side_profiles(named)
+        contacts[id(named)] = wheelset_contact(named, profiles[id(named)], models)
     if not scene.is_flexible:
-        return contact, None
+        return _by_wheelset(scene, contacts), None
     from wheelrail.contact.loading.flexible_contact import FlexibleContact
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
 
-    scenes = [scene.on_wheelset(name) for name in wheelsets]
-    of = {own.elastic_keys: flexibility(own, profiles) for own in scenes}
-    # Of its flexibility the contact takes the feet of the rails, which do not depend on their supports.
-    moving = FlexibleContact(contact, next((own for own in of.values() if own.rails is not None), Flexibility()))
+    scenes = [(scene.on_wheelset(name), id(scene.contact_of(name))) for name in wheelsets]
+    kinds = {(on.elastic_keys, own): on for on, own in scenes}
+    of = {(keys, own): flexibility(on, profiles[own]) for (keys, own), on in kinds.items()}
+    for own, contact in contacts.items():
+        # Of its flexibility the contact takes the feet of the rails, which do not depend on their supports.
+        on_feet = (flexible for (_, other), flexible in of.items() if other == own and flexible.rails is not None)
+        contacts[own] = FlexibleContact(contact, next(on_feet, Flexibility()))
     structures = {
-        own.elastic_keys: _structure(own, profiles, replace(moving.pairs, flexibility=of[own.elastic_keys]))
-        for own in scenes
+        (keys, own): _structure(on, profiles[own], replace(contacts[own].pairs, flexibility=of[keys, own]))
+        for (keys, own), on in kinds.items()
     }
-    return moving, tuple(structures[own.elastic_keys] for own in scenes)
+    return _by_wheelset(scene, contacts), tuple(structures[on.elastic_keys, own] for on, own in scenes)
+
+
+def _by_wheelset(scene: RunScene, contacts: Mapping[int, VehicleContact]) -> VehicleContact:
+    """Contact of a scene, by wheelset if there are several; contacts: models by the table of a contact."""
+    if not scene.contacts:
+        return contacts[id(scene)]
+    from wheelrail.contact.results.vehicle_contact import ContactsByWheelset
+
+    own = {name: contacts[id(named)] for named in scene.contacts.values() for name in named.wheelsets}
+    return ContactsByWheelset(contacts[id(scene)], own)
 
 
 def _structure(scene: RunScene, profiles: SideProfiles, pairs: FlexiblePairs) -> Structure | None:
@@ -217,7 +226,7 @@ def flexibility(scene: OnRails, profiles: SideProfiles) -> Flexibility:
             rails, mirrored = (tracks and (tracks[0].rail, tracks[1].rail) for tracks in _with_mass(scene, profiles))
         else:
             left = on_pads("left")
-            rails = left, left if scene.sides_alike else on_pads("right")
+            rails = left, left if profiles["left"] is profiles["right"] else on_pads("right")
     hubs = None if scene.wheelset.axle is None else _hubs(scene, profiles["left"])
     return Flexibility(hubs, rails, 0.0 if sleepers is None else sleepers.position, mirrored)
 
@@ -248,7 +257,7 @@ def _with_mass(scene: OnRails, profiles: SideProfiles) -> list[tuple[CoRunningTr
 
     def both(ballast: Ballast) -> tuple[CoRunningTrack, CoRunningTrack]:
         left = on("left", ballast)
-        return left, left if scene.sides_alike else on("right", ballast)
+        return left, left if profiles["left"] is profiles["right"] else on("right", ballast)
 
     if table.length == "halves":
         return [both(halves), None]

@@ -239,6 +239,19 @@ class OnRails(Contact):
         return self.wheelset.axle is not None or self.track.pads is not None
 
     @property
+    def allowed_on_elastic(self) -> str:
+        """Contacts that are allowed on elastic axles and tracks in a run; empty for one of them."""
+        if self.has_elements and (self.model == "full" or self.discretisation.points != "lattice"):
+            return 'allowed in a run only with points = "lattice", that is laws = "exact" and model = "condensed"'
+        if self.model == "standard":
+            laws = [friction for name in SIDES if isinstance(friction := self.side(name).friction, FrictionTable)]
+            varies = self.falling is not None or any(table.law != "coulomb" for table in laws)
+            if self.normal == "hertz" or self.tangential == "polach" or varies:
+                allowed = 'allowed with model = "standard" only with "kik-piotrowski", "fastsim" and Coulomb friction'
+                return f"{allowed}, whose forces have derivatives"
+        return ""
+
+    @property
     def _flexible_key(self) -> str:
         """Key of an elastic axle, or of pads; that of all single wheelsets if neither has them."""
         keys = {"wheelset.axle": self.wheelset.axle, "track.pads": self.track.pads}
@@ -465,8 +478,6 @@ class RunScene(OnRails):
 
     @model_validator(mode="after")
     def _one_contact_each(self) -> RunScene:
-        if self.contacts and self.is_flexible:
-            raise q.reject(f"not allowed with {self._flexible_key}", "contacts")
         owners = dict[str, str]()
         for name, contact in (self.contacts or {}).items():
             for wheelset in contact.wheelsets:
@@ -502,17 +513,11 @@ class RunScene(OnRails):
 
     @model_validator(mode="after")
     def _flexible(self) -> RunScene:
-        if not self.is_flexible:
-            return self
-        if self.has_elements and (self.model == "full" or self.discretisation.points != "lattice"):
-            allowed = 'allowed in a run only with points = "lattice", that is laws = "exact" and model = "condensed"'
-            raise q.reject(allowed, self._flexible_key)
-        if self.model == "standard":
-            laws = [friction for name in SIDES if isinstance(friction := self.side(name).friction, FrictionTable)]
-            varies = self.falling is not None or any(table.law != "coulomb" for table in laws)
-            if self.normal == "hertz" or self.tangential == "polach" or varies:
-                allowed = 'allowed with model = "standard" only with "kik-piotrowski", "fastsim" and Coulomb friction'
-                raise q.reject(f"{allowed}, whose forces have derivatives", self._flexible_key)
+        if self.is_flexible:
+            named = {f"contacts.{name}": own for name, own in (self.contacts or {}).items()}
+            for key, own in {self._flexible_key: self, **named}.items():
+                if allowed := own.allowed_on_elastic:
+                    raise q.reject(allowed, key)
         return self
 
     @model_validator(mode="after")
