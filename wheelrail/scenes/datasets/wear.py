@@ -34,8 +34,11 @@ WEAR: Schema = {
     "depth": Quantity(CELLS, "m", "mean depth removed in a cell", label="depth", shown="mm", digits=3),
     "depth_rate": Quantity(BY_CASE, "1", "depth removed per distance: m per m"),
     "energy_rate": Quantity(BY_CASE, "J/m3", "frictional energy per area and distance"),
-    "fatigue_rate": Quantity(BY_CASE, "1/m", "surface fatigue index of passages that ratchet, per distance"),
-    "damage_rate": Quantity(BY_CASE, "1/m2", "T-gamma damage per width and distance"),
+    "fatigue_rate": Quantity(
+        BY_CASE, "1/m", "surface fatigue index of passages that ratchet, per distance, smoothed as the wear of the step"
+    ),
+    "damage_rate": Quantity(BY_CASE, "1/m2", "T-gamma damage per width and distance, smoothed as the wear of the step"),
+    "smoothing_length": Quantity(CELLS, "m", "length of the filter of the step"),
     "traction_direction": Quantity(CELLS, "rad", "mean direction of traction, from forward to the field side"),
     "area_rate": Quantity(CELLS, "m", "section removed in a cell per distance, of all cases"),
     "pressed_rate": Quantity(CELLS, "N/m", "the same times the pressure"),

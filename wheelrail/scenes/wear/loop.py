@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
@@ -36,6 +37,7 @@ from wheelrail.scenes.wear.rails import rail_rates, stored_rail_rates
 from wheelrail.support.arrays import Array
 from wheelrail.support.plain_data import decode, encode
 from wheelrail.vehicle.wear.evolution import WearingProfile, WearingRail, wear_step
+from wheelrail.vehicle.wear.smoothing import Step, smoothed
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -274,7 +276,19 @@ class WearLoop:
             change = 0.5 * np.linalg.norm(values["area_rate"] - state.before[-1], axis=1)
             size = np.linalg.norm(state.before[-1], axis=1)
             values["step_error"] = np.divide(change, size, out=np.zeros(len(size)), where=size > 0.0)
+        with suppress(ValueError):  # which ends the loop after this step is written
+            values |= self._smoothed(state, values)
         return values, solved
+
+    def _smoothed(self, state: WearState, values: Mapping[str, Any]) -> dict[str, Array]:
+        """Fatigue as the step smooths wear: rates at the ends of strips, where contacts leave edges, last for less."""
+        steps, _ = self._steps(state, values)
+        found = {name: values[name].copy() for name in ("damage_rate", "fatigue_rate")}
+        for number, (name, own) in enumerate(state.profiles.items()):
+            for rates in found.values():
+                for case in rates:
+                    case[number] = smoothed(case[number], steps[name].length, own.width)
+        return found | {"smoothing_length": np.stack([own.length for own in steps.values()])}
 
     def _case_rates(self, state: WearState, cases: Sequence[tuple[int, Case]]) -> Iterator[CaseRates]:
         """Rates of cases with their numbers at a state, in their order."""
@@ -293,22 +307,23 @@ class WearLoop:
                 self.report(done, f"{words}: {case.name}")
                 yield self.duty.rates(case, contacts[case.contact_key], profiles, state.guesses(case.name))
 
+    def _steps(self, state: WearState, values: Mapping[Any, Any]) -> tuple[dict[str, Step], float]:
+        """Steps of the wheels at given rates, and passages of wheelsets until a rail is due."""
+        table, passages = self.duty.table, np.inf
+        rates = {name: _rates(values, number) for number, name in enumerate(state.profiles)}
+        longest = min(table.step, table.until - state.distance)
+        if table.rails is not None:
+            due = stored_rail_rates(state.rails, values)
+            passages = min(rail.passages(due[name], table.rails.depth) for name, rail in state.rails.items())
+            longest = min(longest, passages / table.rails.passages)
+        steps = wear_step(state.profiles, rates, modulus=self.duty.modulus, depth=table.depth, distance=longest)
+        return steps, passages
+
     def _after(self, state: WearState, step: Dataset) -> WearState:
         """The state after a step with given rates."""
         table = self.duty.table
-        rates = {name: _rates(step, number) for number, name in enumerate(state.profiles)}
         rail_rates = stored_rail_rates(state.rails, step)
-        longest = min(table.step, table.until - state.distance)
-        if table.rails is not None:
-            passages = min(rail.passages(rail_rates[name], table.rails.depth) for name, rail in state.rails.items())
-            longest = min(longest, passages / table.rails.passages)
-        steps = wear_step(
-            state.profiles,
-            rates,
-            modulus=self.duty.modulus,
-            depth=table.depth,
-            distance=longest,
-        )
+        steps, passages = self._steps(state, step)
         distance = next(iter(steps.values())).distance
         profiles = {name: own.after(steps[name]) for name, own in state.profiles.items()}
         reached = state.distance + distance
@@ -346,7 +361,7 @@ class WearLoop:
         return any(beyond)
 
 
-def _rates(step: Dataset, number: int) -> ProfileRates:
+def _rates(step: Mapping[Any, Any], number: int) -> ProfileRates:
     """Removed sections and pressures of the number-th profile, for the next step; other rates are NaN."""
-    removed, pressed = (step[name].values[number] for name in ("area_rate", "pressed_rate"))
-    return ProfileRates.of_sections(removed, pressed, float(step["outside_rate"].values[number]))
+    removed, pressed, outside = (np.asarray(step[f"{name}_rate"])[number] for name in ("area", "pressed", "outside"))
+    return ProfileRates.of_sections(removed, pressed, float(outside))

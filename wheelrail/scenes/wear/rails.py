@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -11,9 +11,6 @@ from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.wear.strips import ProfileRates, total
 from wheelrail.scenes.wear.schema import DutyTable
 from wheelrail.vehicle.wear.evolution import WearingRail
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 Rails = Mapping[str, WearingRail]  # by name
 
@@ -49,11 +46,11 @@ def rail_rates(
     return found
 
 
-def stored_rail_rates(rails: Rails, step: Dataset) -> dict[str, ProfileRates]:
+def stored_rail_rates(rails: Rails, step: Mapping[Any, Any]) -> dict[str, ProfileRates]:
     """Removed sections and pressures of each rail of a stored step; other rates are NaN."""
     found = {}
     for number, (name, own) in enumerate(rails.items()):
         cells = slice(len(own.profile.removed))
-        removed, pressed = (step[f"rail_{key}"].values[number, cells] for key in ("area_rate", "pressed_rate"))
-        found[name] = ProfileRates.of_sections(removed, pressed, float(step["rail_outside_rate"].values[number]))
+        removed, pressed = (np.asarray(step[f"rail_{key}_rate"])[number, cells] for key in ("area", "pressed"))
+        found[name] = ProfileRates.of_sections(removed, pressed, float(step["rail_outside_rate"][number]))
     return found
