@@ -25,6 +25,7 @@ from wheelrail.scenes.wear.jobs import workers
 from wheelrail.scenes.wear.loop import WearLoop
 from wheelrail.scenes.wear.schema import check_wear
 from wheelrail.scenes.wear.tables import remarks
+from wheelrail.vehicle.wear.smoothing import smoothed
 
 SCENES = Path(__file__).parents[2] / "scenes"
 VEHICLE = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manchester_vehicle.toml")}
@@ -70,6 +71,21 @@ def test_what_is_worn_is_removed(steps: tuple[Dataset, Path]) -> None:
     np.testing.assert_allclose(width * by_case, data["area_rate"].values[:-1], rtol=1e-10, atol=1e-30)
     assert np.diff(data["depth"].values.max(axis=(1, 2))).max() <= 1.001e-4
     assert (data["outside_rate"].values[:-1] <= 1e-6 * rate[:, None]).all()
+
+
+def test_fatigue_is_smoothed_as_the_wear_of_its_step(steps: tuple[Dataset, Path]) -> None:
+    """The sum of the damage stays, its peaks do not."""
+    data, _ = steps
+    width, length = float(np.diff(data["s"]).mean()), data["smoothing_length"].values[0, 0]
+    table = {**VEHICLE, "law": {"name": "usfd", "scale": 0.18}, "until": 4e6, "depth": 1e-4, "duty": DUTY}
+    duty = Duty(check_wear(table), Path("wear.toml"))
+    new = WearLoop(duty)._unworn()
+    rates = WearLoop(duty)._case_rates(new, list(enumerate(duty.cases)))
+    raw = np.stack([own.rates.wheels["wheel"].damage for own in rates]) / width
+    damage = data["damage_rate"].values[0, :, 0]
+    np.testing.assert_allclose(damage.sum(axis=1), raw.sum(axis=1), rtol=1e-9)
+    np.testing.assert_allclose(damage, [smoothed(own, length, width) for own in raw], rtol=1e-9, atol=1e-20)
+    assert damage.max() < 0.9 * raw.max()
 
 
 def test_energy_of_the_cells_is_that_of_the_patches(steps: tuple[Dataset, Path]) -> None:
