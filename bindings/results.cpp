@@ -30,11 +30,12 @@ void bind_results(nb::module_& m) {
     m.attr("PATCH_NUMBERS") = PATCH_NUMBERS;
     structure<PatchPoints>(
         m, "PatchPoints",
-        {"point", "axes", "level", "area", "step", "on_wheel", "on_rail", "pressure", "traction", "sticks"},
+        {"point", "axes", "level", "area", "step", "on_wheel", "on_rail", "pressure", "traction", "elastic", "sticks"},
         "Loaded contact points: point (n, 3) m; axes (n, 3, 3), rows longitudinal, lateral, outward from the wheel; "
         "longitudinal axes level (n, 3) for the velocity of the rail; area (n,) m2; step (n,) m, length of the point's "
         "cell along the rolling direction; on_wheel and on_rail (n, 2) m, arc length and lateral position on the "
-        "profiles; pressure (n,) Pa; traction (n, 2) Pa on the wheel; sticks (n,), whether the surfaces stick.");
+        "profiles; pressure (n,) Pa; traction (n, 2) Pa on the wheel; elastic (n,) Pa, work on the displacements of "
+        "steady rolling per length of travel and area; sticks (n,), whether the surfaces stick.");
     structure<PatchSums>(
         m, "PatchSums",
         {"area", "stick_area", "peak", "force", "axes", "slope", "point", "wheel", "rail", "bands", "semi_axes",

@@ -179,8 +179,6 @@ def steady_curve(elastic: bool, case: str) -> float:
     """T-gamma N of all wheels of the Manchester vehicle in a steady curve, by strips or by the standard contact."""
     speed, radius, cant = CURVES[case]
     scene = load_scene(SCENES / ("vehicle_elastic.toml" if elastic else "vehicle.toml"))
-    if elastic:  # T-gamma of spin alone is 20 % less with its 10 cells
-        scene = scene.model_copy(update={"cells": 20})
     curve = ConstantCurve(speed, 1.0 / radius, cant)
     (found,) = equilibria_of(scene, SCENES / "manchester_vehicle.toml", [speed], curve)
     results = [result for sides in found.contacts.values() for result in sides.values()]

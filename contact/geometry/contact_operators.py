@@ -88,8 +88,8 @@ def pair_operators(
     """
     identity = Interpolation(points.upstream.reshape(-1, 1), np.ones((points.upstream.size, 1)))
     wheel = contact_operators(points, identity, points.axes @ points.wheel_rotation, order, tangential=tangential)
-    if wheel.slip is not None and points.circle_curvature.any():
+    if wheel.slip is not None and points.circle_curvature[0].any():
         n = len(points.node)
-        lateral = sp.csr_array(wheel.displacement[n : 2 * n].multiply(points.circle_curvature[:, None]))
+        lateral = sp.csr_array(wheel.displacement[n : 2 * n].multiply(points.circle_curvature[0, :, None]))
         wheel = replace(wheel, slip=wheel.slip - sp.vstack([lateral, sp.csr_array(lateral.shape)], format="csr"))
     return wheel, contact_operators(points, points.rail, points.axes, order, tangential=tangential)

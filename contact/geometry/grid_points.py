@@ -26,14 +26,16 @@ class GridPoints(SurfacePoints):
         node: (n,) on the wheel's grid.
         upstream: (k, n), nodes of the wheel's grid 0, 1, .. steps upstream.
         rail: interpolation on the rail's grid at their projections, row by row of upstream.
-        circle_curvature: (n,) 1/m, geodesic curvature of the wheel's circles: rotation of the longitudinal axis towards
-            the lateral one per length.
+        circle_curvature: (2, n) 1/m, of the wheel's circles: rotation of the longitudinal axis towards the lateral one,
+            and of the outward normal towards the longitudinal axis, per length.
+        slope: (n,) of the penetration along the rolling direction.
     """
 
     node: Nodes
     upstream: Nodes
     rail: Interpolation
     circle_curvature: Array
+    slope: Array
 
 
 class SurfacePair(Protocol):

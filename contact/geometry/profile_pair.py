@@ -144,7 +144,8 @@ class ProfilePair:
             raise OutsideSurface(overlap_text(penetration[beyond], place, UNSOLVED))
         interpolation = self._rail_interpolation(point[nodes, 0], projection.s)
         inverse = inverse.ravel()
-        line = node % ns
+        line, normal = node % ns, self.rail.normal(rail_s)
+        slope = np.einsum("nc,nc->n", axes[:, 0, 1:], normal) * np.einsum("nc,nc->n", axes[:, 2, 1:], normal)
         return (
             GridPoints(
                 node=node,
@@ -155,7 +156,8 @@ class ProfilePair:
                 wheel_rotation=pose.rotation,
                 upstream=upstream,
                 rail=Interpolation(interpolation.nodes[inverse], interpolation.weights[inverse]),
-                circle_curvature=self.lines[1][line, 0] / self.lines[0][line, 1],
+                circle_curvature=self.lines[1][line].T / self.lines[0][line, 1],
+                slope=slope,
                 step=self.lines[0][line, 1] * (self.angle[stride] - self.angle[0]),
                 wheel_place=np.stack([self.arc[line], self.lines[0][line, 0]], axis=1),
                 rail_place=np.stack([rail_s, projected[:, 0]], axis=1),

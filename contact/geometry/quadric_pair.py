@@ -39,6 +39,8 @@ class QuadricPair:
             - (position - pose.origin[:2]) ** 2 @ curvature(self.upper)
             - position**2 @ curvature(self.lower)
         )
+        along = position[:, 0]
+        slope = -2.0 * ((along - pose.origin[0]) * curvature(self.upper)[0] + along * curvature(self.lower)[0])
         inside = penetration > 0
         if not inside.any():
             return None, min(vertical_approach(self.upper, self.lower, pose), 0.0)
@@ -64,7 +66,8 @@ class QuadricPair:
                 wheel_rotation=UPSIDE_DOWN,
                 upstream=upstream,
                 rail=Interpolation(upstream.reshape(-1, 1), np.ones((upstream.size, 1))),
-                circle_curvature=np.zeros(n),
+                circle_curvature=np.zeros((2, n)),
+                slope=slope[node],
                 step=np.full(n, spacing),
                 wheel_place=across,
                 rail_place=across,

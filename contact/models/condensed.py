@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from wheelrail.bindings._contact import BodyDisplacements, overloaded
+from wheelrail.bindings._contact import overloaded
 from wheelrail.contact.elasticity.compliance import Compliance, condense
 from wheelrail.contact.geometry.contact_operators import pair_operators
 from wheelrail.contact.geometry.grid_points import GridPoints, SurfacePair
@@ -26,8 +26,8 @@ from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions, so
 from wheelrail.support.arrays import Array, Nodes
 
 
-def body_displacements(points: GridPoints, loads: Array, bodies: tuple[Compliance, Compliance]) -> BodyDisplacements:
-    """Displacements B C B^T f of wheel and rail at n contact points.
+def body_displacements(points: GridPoints, loads: Array, bodies: tuple[Compliance, Compliance]) -> Array:
+    """Displacements B C B^T f (2, 3, n) m of wheel and rail at n contact points, in their axes.
 
     Parameters:
         points: of contact.
@@ -40,8 +40,7 @@ def body_displacements(points: GridPoints, loads: Array, bodies: tuple[Complianc
         turn, matrix = body.turned(operators.nodes, operators.directions)
         response = turn @ (matrix @ (turn.T @ forces))
         displacements.append((operators.displacement @ response).reshape(3, -1))
-    wheel, rail = displacements
-    return BodyDisplacements(wheel[1], rail[1], wheel[2])
+    return np.array(displacements)
 
 
 @dataclass(frozen=True)
@@ -204,7 +203,7 @@ class CondensedContact:
         deformation[:, 3 - displacement.shape[0] // n :] = (displacement @ loads).reshape(-1, n).T
         bound = self.laws.friction_bound(p, np.hypot(*solution.found.slip.T), solution.speed)
 
-        def bodies() -> BodyDisplacements:
+        def bodies() -> Array:
             forces = np.column_stack([q, -p]) * points.area[:, None]
             return body_displacements(points, forces, (self.wheel, self.rail))
 

@@ -17,7 +17,7 @@ from wheelrail.bindings._contact import (
     patch_sums,
     store_patch,
 )
-from wheelrail.contact.kinematics.contact_points import SurfacePoints
+from wheelrail.contact.geometry.grid_points import GridPoints
 from wheelrail.contact.kinematics.frames import RigidMotion
 from wheelrail.contact.kinematics.left_pair import velocities_of
 from wheelrail.contact.results.patch_sums import patches_of
@@ -35,7 +35,7 @@ def assemble_result(
     displacement: Array,
     approach: float,
     statistics: Statistics,
-    bodies: Callable[[], BodyDisplacements] | None = None,
+    bodies: Callable[[], Array] | None = None,
 ) -> ContactResult:
     """Converged result in the frame of the rail, moment about its origin.
 
@@ -47,8 +47,8 @@ def assemble_result(
         displacement: (n, 3) m, wheel minus rail.
         approach: largest undeformed penetration, m.
         statistics: of the solve.
-        bodies: returns the displacements of both bodies, by which patches lie on the material that touches; None: on
-            that of the undeformed bodies.
+        bodies: returns the displacements (2, 3, n) m of wheel and rail in the points' axes, by which patches lie on the
+            material that touches; None: on that of the undeformed bodies.
     """
     points, traction = work.points, work.traction
     local = np.column_stack([traction, -pressure]) * points.area[:, None]
@@ -95,7 +95,7 @@ class FrictionalWork:
         speed: rolling speed, m/s.
     """
 
-    points: SurfacePoints
+    points: GridPoints
     traction: Array
     sticks: Mask
     motion: RigidMotion
@@ -103,17 +103,16 @@ class FrictionalWork:
 
     @classmethod
     def below(
-        cls, bound: Array, points: SurfacePoints, traction: Array, motion: RigidMotion, speed: float
+        cls, bound: Array, points: GridPoints, traction: Array, motion: RigidMotion, speed: float
     ) -> FrictionalWork:
         """Points stick where the traction (n, 2) Pa is below a bound (n,) Pa, the largest possible one."""
         return cls(points, traction, np.hypot(*traction.T) < bound * (1 - 1e-9), motion, speed)
 
-    def patches(
-        self, patch: Nodes, pressure: Array, bodies: Callable[[], BodyDisplacements] | None
-    ) -> tuple[Patch, ...]:
+    def patches(self, patch: Nodes, pressure: Array, bodies: Callable[[], Array] | None) -> tuple[Patch, ...]:
         """All patches (n,), by decreasing load, from pressures (n,) Pa; bodies: as for `assemble_result`."""
         points, velocities = self.points, velocities_of(self.motion)
         fixed = np.ascontiguousarray  # as the core takes them
+        moved = None if bodies is None else bodies()
         cells = PatchPoints(
             fixed(points.point),
             fixed(points.axes),
@@ -124,19 +123,28 @@ class FrictionalWork:
             fixed(points.rail_place),
             fixed(pressure),
             fixed(self.traction),
+            np.zeros(len(patch)) if moved is None else self._elastic_work(pressure, *moved),
             fixed(self.sticks),
         )
-        moved = None if bodies is None else bodies()
         rows = np.empty((patch.max(initial=-1) + 1, PATCH_NUMBERS))
         for k, row in enumerate(rows):
             inside = patch == k
             sums = patch_sums(inside, cells, velocities, self.speed)
             if moved is not None:
-                own = BodyDisplacements(*(part[inside] for part in (moved.wheel, moved.rail, moved.wheel_normal)))
+                own = BodyDisplacements(*(part[inside] for part in (moved[0][1], moved[1][1], moved[0][2])))
                 sums = on_material(sums, own, points.wheel_place[inside, 0], (pressure * points.area)[inside])
             store_patch(sums, sums.peak, row)
             row[-1] = rows_of_points(points.wheel_place[inside, 0])
         return patches_of(rows)
+
+    def _elastic_work(self, pressure: Array, wheel: Array, rail: Array) -> Array:
+        """Work (n,) Pa on the displacements (3, n) m of both bodies, per length of travel.
+
+        Upstream differences lose much of that of the tractions. By Betti's theorem it is also that of the pressure
+        (n,) Pa, whose displacements follow the penetration: along the wheel's normals, while the rail remains straight.
+        """
+        turn = self.points.circle_curvature[1]
+        return np.asarray(pressure * (self.points.slope - turn * rail[0]) - self.traction[:, 0] * turn * wheel[2])
 
 
 def rows_of_points(place: Array) -> int:

@@ -68,7 +68,7 @@ inline Variables patch_variables() {
             {"wheel_y", "m", "lateral position on the wheel's profile, positive to the field side"},
             {"rail_y", "m", "lateral position on the rail's profile, positive to the field side"},
             {"stick_area", "m2", "area of adhesion"},
-            {"frictional_power", "W", "power of the tractions over the rigid slip"}};
+            {"frictional_power", "W", "frictional power of steady rolling"}};
 }
 
 // Parameters of an element, set when the element is opened.

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from wheelrail.bindings._contact import BodyDisplacements
 from wheelrail.contact.elasticity.compliance import Compliance, condense
 from wheelrail.contact.elasticity.solid_body import ElasticBody
 from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
@@ -33,16 +32,17 @@ def extended(operators: ContactOperators, body: ElasticBody) -> tuple[sp.csr_arr
     return extend(operators.displacement), None if operators.slip is None else extend(operators.slip)
 
 
-def body_displacements(points: GridPoints, u: Array, bodies: tuple[ElasticBody, ElasticBody]) -> BodyDisplacements:
-    """Displacements m of wheel and rail at contact points, from all unknowns (displacements m, wheel before rail)."""
+def body_displacements(points: GridPoints, u: Array, bodies: tuple[ElasticBody, ElasticBody]) -> Array:
+    """Displacements (2, 3, n) m of wheel and rail at contact points in their axes, from unknowns u."""
     split = 3 * bodies[0].owned
-    wheel, rail = (
-        bodies[0].ranks.all_reduce(extended(operators, body)[0] @ own).reshape(3, -1)
-        for operators, body, own in zip(
-            pair_operators(points, 0, tangential=True), bodies, (u[:split], u[split:]), strict=True
-        )
+    return np.array(
+        [
+            bodies[0].ranks.all_reduce(extended(operators, body)[0] @ own).reshape(3, -1)
+            for operators, body, own in zip(
+                pair_operators(points, 0, tangential=True), bodies, (u[:split], u[split:]), strict=True
+            )
+        ]
     )
-    return BodyDisplacements(wheel[1], rail[1], wheel[2])
 
 
 @dataclass(frozen=True)

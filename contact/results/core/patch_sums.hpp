@@ -23,10 +23,11 @@ struct PatchSums {
     Array<double, 1> bands{4};            // m, smallest and largest lateral position on the wheel, and on the rail
     Array<double, 1> semi_axes{2};        // m
     std::array<double, 3> creepage{};
-    // W, of the tractions on the rigid slip and of the pressure on the rolling slopes of the penetration. In steady
-    // rolling it is the frictional heat: tractions and pressure do no work on displacements that pass by unchanged, by
-    // Betti's theorem, but tractions alone do where they shift the pressure along x, as on a flange. Sums of traction
-    // times slip converge to the same value, from 7 % below with 12 x 16 cells.
+    // W, the frictional heat of steady rolling: to this, sums of traction times slip converge, from 7 % below with 12 x
+    // 16 cells. It is the work of the tractions on the rigid slip, and their elastic work but for that which vanishes:
+    // by Betti's theorem neither tractions nor pressure work on those displacements by themselves that pass by
+    // unchanged, but tractions do on those by the pressure, which they shift along x, and a compressed wheel rolls on a
+    // smaller radius, u_r / R.
     double power = 0.0;
     long strips = 0;
 
@@ -45,15 +46,14 @@ struct PatchSums {
 
 inline void store_vector(const Vec<double>& a, const View<double, 1>& to) { to(0) = a.x, to(1) = a.y, to(2) = a.z; }
 
-// Power W of a point's tractions on the rigid slip, and of its pressure on the penetration's slope along x, whose
-// displacements the pressure follows. Without the work of other points.
+// Power W of a point's tractions on the rigid slip, with the elastic work.
 inline double point_power(const PatchPoints& points, long q, const RigidMotion<double>& v, double speed) {
-    auto at = vec_of(points.point[q]), x = vec_of(points.axes[q][0]), y = vec_of(points.axes[q][1]),
-         out = vec_of(points.axes[q][2]), level = vec_of(points.level[q]);
+    auto at = vec_of(points.point[q]), x = vec_of(points.axes[q][0]), y = vec_of(points.axes[q][1]);
+    auto level = vec_of(points.level[q]);
     double by_x = velocity_along(v.wheel, at, x) - velocity_along(v.rail, at, level);
     double by_y = velocity_along(v.wheel, at, y) - velocity_along(v.rail, at, y);
-    double size = points.area(q), load = points.pressure(q) * size;
-    return size * (points.traction(q, 0) * by_x + points.traction(q, 1) * by_y) - load * speed * dot(level, out);
+    double rigid = points.traction(q, 0) * by_x + points.traction(q, 1) * by_y;
+    return points.area(q) * (rigid + speed * points.elastic(q));
 }
 
 // Sums over the points inside (n,); rolling speed m/s; 0: no creepage and no power.

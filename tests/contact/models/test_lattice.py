@@ -375,17 +375,22 @@ def test_finite_bodies_from_any_start() -> None:
 
 def test_frictional_power_is_what_the_bodies_lose() -> None:
     """Of rigid motion in the steady state, as elastic energy does not change; slips are measured along both surfaces,
-    so that tractions of cells inclined along x do not act on a part of the rolling velocity.
+    so that tractions of cells inclined along x do not act on a part of the rolling velocity. Unlike the heat, what
+    forces lose has the error of the pressure's place, 60 kN times some um over R, which falls with second order.
     """
-    pair = replace(wheelset(0.3), model=finer(wheelset(0.3).model))
-    place, motion = pair.mounting.left_pair(rolling(2e-3, -0.2e-3))
-    result = pair.model(place, motion, None)
-    apart = motion.wheel.at(np.zeros((1, 3)))[0] - motion.rail.at(np.zeros((1, 3)))[0]
-    lost = -(result.force @ apart + result.moment @ (motion.wheel.rotation - motion.rail.rotation))
-    fields = result.fields
-    assert fields is not None
-    inclined = SPEED * (fields.area * fields.traction[:, 0] * (1.0 - fields.axes[:, 0, 0])).sum()
-    assert sum(patch.frictional_power for patch in result.patches) == pytest.approx(lost - inclined, rel=1e-4)
+    apart = []
+    for cells in (20, 40):
+        pair = replace(wheelset(0.3), model=finer(wheelset(0.3).model, cells))
+        place, motion = pair.mounting.left_pair(rolling(2e-3, -0.2e-3))
+        result = pair.model(place, motion, None)
+        relative = motion.wheel.at(np.zeros((1, 3)))[0] - motion.rail.at(np.zeros((1, 3)))[0]
+        lost = -(result.force @ relative + result.moment @ (motion.wheel.rotation - motion.rail.rotation))
+        fields = result.fields
+        assert fields is not None
+        inclined = SPEED * (fields.area * fields.traction[:, 0] * (1.0 - fields.axes[:, 0, 0])).sum()
+        apart.append(sum(patch.frictional_power for patch in result.patches) / (lost - inclined) - 1.0)
+    assert 0.0 < apart[1] < 0.01
+    assert apart[1] < 0.35 * apart[0]
 
 
 def test_tangents_do_not_jump_where_cells_begin_to_slide() -> None:
@@ -398,9 +403,9 @@ def test_tangents_do_not_jump_where_cells_begin_to_slide() -> None:
     assert changes[1] < 0.65 * changes[0]
 
 
-def finer(model: Any) -> LatticeContact:
+def finer(model: Any, cells: int) -> LatticeContact:
     assert isinstance(model, LatticeContact)
-    return replace(model, resolution=LatticeResolution(24, 20))
+    return replace(model, resolution=LatticeResolution(14, cells))
 
 
 @pytest.mark.parametrize("damaged", ["pivots", "lu", "rows", "slips", "slopes", "gather", "double"])

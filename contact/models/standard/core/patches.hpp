@@ -74,6 +74,7 @@ inline Array<double, 2> patch_rows(const Numbers& weight, const StripPressures& 
     PatchPoints points;
     points.point = cells.point, points.area = cells.area, points.step = cells.length;
     points.pressure = cells.pressure, points.traction = cells.traction, points.sticks = cells.sticks;
+    points.elastic = Array<double, 1>(size);  // of half-spaces: none
     points.axes = Array<double, 3>(size, 3, 3), points.level = Array<double, 2>(size, 3);
     points.on_wheel = Array<double, 2>(size, 2), points.on_rail = Array<double, 2>(size, 2);
     for (long q = 0; q < size; ++q) {

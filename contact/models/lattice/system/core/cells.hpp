@@ -85,6 +85,19 @@ inline void store_friction(Rows values, Blocks elastic, const EquationData& data
     cells.margin = margins(data.law, q, s, p, rho, data.motion.speed);
 }
 
+// Fill the elastic work of cells with tractions. That of the tractions on displacements by tractions vanishes, that of
+// the pressure on them is that of the tractions on displacements by the pressure: jumps (S, M + 1, 3) N/m of all.
+inline void store_elastic(const StripGrid& grid, Array<double, 3> jumps, const EquationData& data,
+                          const PatchPoints& points) {
+    for (long e = 0; e < jumps.count(); ++e)
+        if (e % 3 < 2) jumps.data[e] = 0.0;
+    auto slip = slips_and_moments(antiderivatives(data.tables, grid, jumps).second, grid, data.basis).first;
+    for (long c = 0; c < points.size(); ++c) {
+        long i = c / data.basis.M(), r = c % data.basis.M();
+        for (int k = 0; k < 2; ++k) points.elastic(c) += points.traction(c, k) * slip(i, k, r);
+    }
+}
+
 // `StripCells` of a state with values (S, block).
 inline StripCells strip_cells(Rows values, const EquationData& data) {
     const auto& [places, basis, surface] = std::tie(data.places, data.basis, data.surface);
@@ -93,14 +106,15 @@ inline StripCells strip_cells(Rows values, const EquationData& data) {
     auto grid = strip_grid(values, places, basis);
     StripCells cells;
     Array<double, 3> V;
-    std::tie(cells.inside, V) = displacements(values, grid, force_jumps(values, places, basis, data.rolls()), data);
+    auto jumps = force_jumps(values, places, basis, data.rolls());
+    std::tie(cells.inside, V) = displacements(values, grid, jumps, data);
     cells.penetration = Array<double, 1>(n), cells.margin = Array<double, 1>(n);
     cells.slip = Array<double, 2>(n, 2), cells.displacement = Array<double, 2>(n, 3);
     auto pressure = cell_pressures(values, basis, data.rolls());
     PatchPoints& points = cells.points;
     points = {Array<double, 2>(n, 3), Array<double, 3>(n, 3, 3), Array<double, 2>(n, 3), Array<double, 1>(n),
               Array<double, 1>(n),    Array<double, 2>(n, 2),    Array<double, 2>(n, 2), Array<double, 1>(n),
-              Array<double, 2>(n, 2), Array<bool, 1>(n)};
+              Array<double, 2>(n, 2), Array<double, 1>(n),       Array<bool, 1>(n)};
     Array<double, 1> load(n);
     CellMiddles middle(values, places, basis);
     Walk walk(surface);
@@ -115,7 +129,10 @@ inline StripCells strip_cells(Rows values, const EquationData& data) {
         load(c) = points.pressure(c) * points.area(c);
         for (int k = 0; k < 3; ++k) cells.displacement(c, k) = (V(i, r + 1, k) - V(i, r, k)) / length;
     }
-    if (data.rolls()) store_friction(values, slips_and_moments(V, grid, basis).first, data, cells);
+    if (data.rolls()) {
+        store_friction(values, slips_and_moments(V, grid, basis).first, data, cells);
+        store_elastic(grid, jumps, data, points);
+    }
     for (long c = 0; c < n; ++c) points.sticks(c) = cells.margin(c) > 0.0;
     cells.patch = strip_patches(values, places.strip, load);
     return cells;
