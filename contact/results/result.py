@@ -41,8 +41,8 @@ class Patch:
         stick_area: m2.
         creepage: longitudinal, lateral, and spin rad/m about the upward normal; rigid velocity of the wheel relative to
             the rail at the resultant over the rolling speed. Zero without friction and for a tangential displacement.
-        frictional_power: W, which friction turns into heat in steady rolling, the limit of traction times slip over fine
-            cells; zero as creepage.
+        frictional_power: W, which friction turns into heat in steady rolling, the limit of traction times slip over
+            fine cells; zero as creepage.
         strips: number of strips of a lattice across it, or of points of a grid, across or along it where these are
             fewer; 0 for other models.
     """
