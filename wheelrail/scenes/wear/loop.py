@@ -262,7 +262,7 @@ class WearLoop:
         ]
 
     def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, CaseRates]]:
-        """Values of the rates of all cases, and rates of the cases that are solved for them."""
+        """Values of the rates of all cases, and the newly solved rates by case."""
         every = self.duty.cases
         kept = {case.name: state.kept(case.name, case.table.share) for case in every}
         open_cases = [(number, case) for number, case in enumerate(every) if kept[case.name] is None]

@@ -224,7 +224,7 @@ def _file(value: str, info: ValidationInfo) -> str:
     """Full path of a file, relative to the folder of the wear file."""
     file = Path((info.context or {}).get("folder", "."), value)
     if not (present(file) and file.is_file()):
-        raise q.reject(f"{value!r}: must be an existing file, relative to the folder of the wear file")
+        raise q.reject("must be an existing file, relative to the folder of the wear file")
     return str(file.resolve())
 
 
