@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.fft import dct, idct
 
+from wheelrail.meshes.profiles.named import named_profile
+from wheelrail.vehicle.wear.evolution import WearingProfile
 from wheelrail.vehicle.wear.smoothing import TAPER, smoothed, smoothing_length, step, step_factor
 
 E_STAR, WIDTH, PRESSURE = 115e9, 0.5e-3, 0.8e9
@@ -109,3 +113,9 @@ def test_bad_input() -> None:
         step(np.ones(9), none, **how, depth=5e-5)
     with pytest.raises(ValueError, match="must be positive"):
         step(np.ones(9), np.ones(9), **how, depth=0.0)
+
+
+def test_a_profile_that_is_worn_through_is_named() -> None:
+    wheel = WearingProfile.unworn(named_profile("S1002"), 0.46)
+    with pytest.raises(ValueError, match=r"S1002: wear of .* mm at"):
+        _ = replace(wheel, removed=np.full(len(wheel.removed), 30e-3 * wheel.width)).present

@@ -61,7 +61,10 @@ class WearingProfile:
     @cached_property
     def present(self) -> Profile:
         """The worn profile. Raises ValueError where it does not fit on the new one."""
-        return self.new.worn(self.grid.bounds, self.removed)
+        try:
+            return self.new.worn(self.grid.bounds, self.removed)
+        except ValueError as error:
+            raise ValueError(f"{self.new.name}: {error}") from None
 
     @property
     def place(self) -> Place | None:
