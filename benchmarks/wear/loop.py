@@ -15,7 +15,7 @@ from xarray import Dataset
 from benchmarks.wear.check import Check
 from wheelrail.scenes.wear.cases import Duty
 from wheelrail.scenes.wear.loop import STEPS, WearLoop
-from wheelrail.scenes.wear.schema import check_wear
+from wheelrail.scenes.wear.schema import CONTACTS, check_wear
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cache_folder
 
@@ -89,7 +89,10 @@ def duty(until: float, **more: Any) -> Dataset:
     """
 
     def curve(share: float, radius: float, cant: float, speed: float) -> dict[str, Any]:
-        return {"share": share, "steady": {"curvature": 1.0 / radius, "cant": cant, "speed": speed}, "both_hands": True}
+        steady = {"curvature": 1.0 / radius, "cant": cant, "speed": speed}
+        return {"share": share, "steady": steady, "both_hands": True, "set": keys}
+
+    keys = {} if more.get("contact") == {} else CONTACTS["condensed"]
 
     straight = {
         "share": 0.4,

@@ -18,7 +18,9 @@ from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.support.text_file import present
 
-CONTACTS = {"condensed": {"laws": "exact", "surface_size": 1e-3, "strips": 8, "cells": 10}}  # keys of a named contact
+# Keys of a named contact. 8 x 10 strips and cells take 2.3 times as long, and change the depth by 2.6 % RMS after
+# 6000 km in four curves, steps of half the depth by 3.7 %.
+CONTACTS = {"condensed": {"laws": "exact", "surface_size": 1e-3, "strips": 6, "cells": 8}}
 SHARES = 1e-6  # largest error of the sum of shares or weights
 MOST_CASES = 1000  # to detect typing errors
 STEADY = "steady."  # begin of the varied keys of a curve
