@@ -40,11 +40,13 @@ class MeanRates:
         wheels: by profile.
         passages: of a wheel, by rail.
         failed_share: of wheels without a result.
+        residual: largest unbalanced force of its equilibria over the mean wheel load.
     """
 
     wheels: Mapping[str, ProfileRates]
     passages: Mapping[str, ProfileRates]
     failed_share: float
+    residual: float
 
 
 @dataclass
@@ -58,6 +60,7 @@ class MotionRates:
         failed: number of wheels without a result.
         wheels: rates of the others with their weights, by profile.
         passages: the same of the rails.
+        residual: see `MeanRates`.
     """
 
     surfaces: Mapping[tuple[str, Side], WornSurface]
@@ -66,6 +69,7 @@ class MotionRates:
     failed: int = 0
     wheels: Weighted = field(default_factory=dict)
     passages: Weighted = field(default_factory=dict)
+    residual: float = 0.0
 
     def add(self, speed: float, contacts: Mapping[str, Mapping[Side, ContactResult]]) -> None:
         """Add a row; rows at equal times count by their distances.
@@ -96,7 +100,7 @@ class MotionRates:
         wheels, passages = (
             {name: _mean(rates) for name, rates in every.items()} for every in (self.wheels, self.passages)
         )
-        return MeanRates(wheels, passages, self.failed / max(self.failed + solved, 1))
+        return MeanRates(wheels, passages, self.failed / max(self.failed + solved, 1), self.residual)
 
 
 def _mean(rates: Sequence[tuple[float, ProfileRates]]) -> ProfileRates:

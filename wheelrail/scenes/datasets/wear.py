@@ -50,6 +50,7 @@ WEAR: Schema = {
     "t_gamma": Quantity(OF_CASE, "N", "frictional power of a wheel over the speed, mean", label="T-gamma"),
     "energy_ratio": Quantity(OF_CASE, "1", "sum of the energy of cells over the frictional power, before balance"),
     "failed_share": Quantity(OF_CASE, "1", "share of wheels without a contact result"),
+    "residual": Quantity(OF_CASE, "1", "largest unbalanced force of its equilibria over the mean wheel load"),
     "Sh": Quantity(OF_PROFILE, "m", "flange height", label="Sh", shown="mm", digits=2),
     "Sd": Quantity(OF_PROFILE, "m", "flange thickness", label="Sd", shown="mm", digits=2),
     "qR": Quantity(OF_PROFILE, "m", "flange gradient", label="qR", shown="mm", digits=2),
@@ -140,6 +141,7 @@ def rate_values(
         "t_gamma": t_gamma,
         "energy_ratio": np.divide(wheel("unbalanced"), t_gamma, out=np.ones(len(t_gamma)), where=t_gamma > 0.0),
         "failed_share": np.array([case.failed_share for case in cases]),
+        "residual": np.array([case.residual for case in cases]),
     }
 
 

@@ -44,6 +44,9 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.multibody.vehicle import Vehicle
 
 FAILED = 0.02  # largest share of wheels without a result
+# Of the mean wheel load: accepted where an equilibrium stalls, for a force jumps, as of `standard` by 0.2 % on a worn
+# profile. Rates err by as much, steps by more.
+UNBALANCED = 5e-3
 OPPOSITE: Mapping[Side, Side] = {"left": "right", "right": "left"}
 WITHOUT_CELLS = ("table",)
 
@@ -401,7 +404,8 @@ class Duty:
         motion = contact.motion
         dynamics = VehicleDynamics(case.vehicle, curve.track, motion, steady.speed, None, loads)
         with failures_as_run_failed():
-            found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess)
+            found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess, acceptable=UNBALANCED)
+        rates.residual = max(rates.residual, found.residual)
         states = found.dynamics.wheelset_states(found.time, found.state)
         rates.add(steady.speed, contact.results()(states, found.contacts))
         return found.state

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 MOST = 12  # rows of steps
 SEVERE, CHANGING = 0.01, 0.1  # shares of the severe branch and of the error of a step that are told
 GROOVE, NARROW = 10e-3, 0.8  # m, width of a groove, and share of a case's wear in a groove
+BALANCED = 1e-4  # of a wheel load, residual of equilibria that is told
 NAMES = ("distance", "depth", "Sh", "Sd", "qR", "hollow", "removed_section", "conicity", "step_error")
 RAIL_MEASURES = ("W1", "W3", "rail_section")
 SHOWN = ("Sh", "Sd", "qR", "hollow", "removed_section")
@@ -29,7 +30,7 @@ def tables(data: Dataset) -> list[ResultTable]:
 
 
 def remarks(data: Dataset) -> list[str]:
-    """Words on limits of the results: severe branches, long steps, narrow grooves, coefficients."""
+    """Words on limits of the results: severe branches, long steps, balance, narrow grooves, coefficients."""
     found = []
     severe = np.nanmax(data["severe_share"].values, initial=0.0)
     if severe > SEVERE:
@@ -41,6 +42,8 @@ def remarks(data: Dataset) -> list[str]:
         )
     width = np.diff(data["s"].values).mean()
     for k, name in enumerate(data["case"].values):
+        if (residual := np.nanmax(data["residual"].values[:, k], initial=0.0)) > BALANCED:
+            found.append(f"{name}: forces balance within {100 * residual:.2g} % of a wheel load, for a contact's jumps")
         rate = data["depth_rate"].values[0, k].sum(axis=0)
         window = np.convolve(rate, np.ones(max(round(GROOVE / width), 1)), mode="same").max()
         if rate.sum() > 0.0 and window > NARROW * rate.sum():
