@@ -34,7 +34,6 @@ WIDE = {"curvature": 1.0 / 1200.0, "cant": 0.06, "speed": 35.0}
 VARIED = {"share": 1.0, "steady": WIDE, "vary": {"friction": [0.2, 0.4]}}
 RAILS = ["60E1", "UIC60-benchmark"]
 DUTY = {"share": 0.6, "steady": WIDE, "both_hands": True}, {"share": 0.4, "steady": SHARP, "name": "sharp"}
-DRY = {"wheelsets": ["wheelset_1"], "friction": 0.5}
 SECONDS = "seconds"
 
 
@@ -339,7 +338,6 @@ def test_bodies_are_renewed_with_the_depth() -> None:
             {"duty": [{**VARIED, "vary": {"profiles.rail": RAILS}}], "rails": {"passages": 1.0}},
             "rail .* must be the same",
         ),
-        ({"duty": [{"share": 1.0, "steady": WIDE, "set": {"contacts.dry": DRY}}]}, "contacts: not allowed with wear"),
         ({"rails": {"passages": 0.0}}, "rails.passages = 0.0: must be a number from"),
     ],
 )

@@ -221,8 +221,6 @@ class Duty:
                 raise SceneError(f'{file}: model = "{wearing.model}": has no cells to wear')
             if scene.is_flexible:
                 raise SceneError(f"{file}: wheelset.axle, track.pads: not known to wear")
-            if scene.contacts:
-                raise SceneError(f"{file}: contacts: not allowed with wear, of which all wheelsets share profiles")
             return Case(name, table, scene, wearing, vehicle_for_run(scene, vehicle))
         except SceneError as error:
             raise SceneError(f"{self.path}: duty {name!r}: {error}") from None
