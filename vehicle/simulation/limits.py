@@ -50,7 +50,7 @@ class Limits:
         Parameters:
             dynamics: the equations of motion.
             time: s.
-            state: (2 c + m + w k,).
+            state: (2 c + m + k,).
             states: of its wheelsets; None: computed.
         """
         distance, _ = dynamics.progress(time, state)
@@ -102,7 +102,7 @@ def describe_position(dynamics: VehicleDynamics, time: float, state: Array) -> s
     Parameters:
         dynamics: the equations of motion.
         time: s.
-        state: (2 c + m + w k,).
+        state: (2 c + m + k,).
     """
     texts, several = [], len(dynamics.vehicle.wheelsets) > 1
     for name, ((shift, left), (_, right)) in wheels(dynamics, dynamics.wheelset_states(time, state)).items():

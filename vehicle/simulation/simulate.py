@@ -36,7 +36,7 @@ def simulate(
     Parameters:
         dynamics: equations of motion.
         span: start and end, s.
-        initial: (2 c + m + w k,) state (see `wheelrail.vehicle.multibody.coordinates`); None: the equilibrium at the
+        initial: (2 c + m + k,) state (see `wheelrail.vehicle.multibody.coordinates`); None: the equilibrium at the
             speed, curvature, cant, torques and forces at the start, see `start_state`.
         steps: None: `IMPLICIT`. "ode23" and "ode45" are explicit and resolve the contact's 150 Hz and, where yaw is
             free, the fast decay of creep; "rosenbrock" is linearly implicit and uses the contact's tangent if it has

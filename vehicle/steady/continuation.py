@@ -26,12 +26,12 @@ def is_curved(dynamics: VehicleDynamics, time: float) -> bool:
 
 
 def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -> Array:
-    """State (2 c + m + w k,) at the end of a run at constant speed from straight level track into a curve.
+    """State (2 c + m + k,) at the end of a run at constant speed from straight level track into a curve.
 
     Parameters:
         dynamics: equations of motion.
         time: s, at which the speed, curvature, cant and gradient are taken.
-        start: (2 c + m + w k,) initial state on straight level track.
+        start: (2 c + m + k,) initial state on straight level track.
 
     Raises StepFailure, also after `MOST_STEPS`, and StepTooSmall.
     """

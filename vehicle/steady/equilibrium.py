@@ -30,7 +30,7 @@ class Equilibrium:
     Parameters:
         dynamics: equations of motion, at constant speed on a smooth track of constant curvature, cant and gradient.
         time: s, that of its distance along this track.
-        state: (2 c + m + w k,).
+        state: (2 c + m + k,).
         contacts: results by wheelset and side.
         iterations: Newton steps.
         residual: largest unbalanced force over the mean wheel load.
@@ -59,7 +59,7 @@ def equilibrium(
     Parameters:
         dynamics: equations of motion.
         time: s, at which speed, curvature, cant, gradient, torques and forces are taken.
-        guess: (2 c + m + w k,) initial state; None: upright bodies at the height at which the contacts carry them.
+        guess: (2 c + m + k,) initial state; None: upright bodies at the height at which the contacts carry them.
         near: results of contacts near the guess, from which theirs start.
         tolerance: of the residual.
         acceptable: residual that is accepted when the iteration stalls, limited by the accuracy of the contact.

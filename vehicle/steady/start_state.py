@@ -12,7 +12,7 @@ from wheelrail.vehicle.steady.equilibrium import equilibrium
 
 
 def start_state(dynamics: VehicleDynamics, time: float = 0.0) -> Array:
-    """Equilibrium (2 c + m + w k,) at a time; of a vehicle that runs free the one in which its heaviest body is held at
+    """Equilibrium (2 c + m + k,) at a time; of a vehicle that runs free the one in which its heaviest body is held at
     its place, to be released.
 
     Parameters:

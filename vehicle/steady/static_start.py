@@ -31,7 +31,7 @@ class StaticStart:
         self.rolls = np.flatnonzero((kinds == ROLL) & wheelsets)
 
     def __call__(self) -> Array:
-        """State (2 c + m + w k,) at the height where the contacts carry the weight within 2 %.
+        """State (2 c + m + k,) at the height where the contacts carry the weight within 2 %.
 
         Where the wheels of one side then carry nearly all, as with wheels of different radii, at the roll of the
         wheelsets at which both sides carry the same load within 5 %. Raises StepFailure.
@@ -98,7 +98,7 @@ def _loads(contacts: WheelContacts) -> Array:
 
 
 def above_one_another(dynamics: VehicleDynamics) -> Array:
-    """State (2 c + m + w k,) with bodies at their nominal heights, in a curve centred above their supporting bodies.
+    """State (2 c + m + k,) with bodies at their nominal heights, in a curve centred above their supporting bodies.
 
     In a curve of curvature k a body that is carried at a distance a before and behind its centre is k a^2 / 2 inwards
     of its own section's centre line.

@@ -221,9 +221,9 @@ class WearLoop:
             values["seconds"] = perf_counter() - start
             rails = {name: rail.profile for name, rail in state.rails.items()}
             step = step_dataset(state.profiles, shares, values, attributes, rails)
-            step = step.assign({SOLVED: ("byte", np.frombuffer(encode(solved), np.uint8))})
             if self.folder is not None:
-                write(step, self.folder / STEPS / f"{len(self.steps):05d}.nc")
+                stored = step.assign({SOLVED: ("byte", np.frombuffer(encode(solved), np.uint8))})
+                write(stored, self.folder / STEPS / f"{len(self.steps):05d}.nc")
             self.steps.append(step)
             if state.distance >= until:
                 return
