@@ -147,7 +147,7 @@ def _by_case(data: Dataset, figure: Figure | None, name: str, scale: float, labe
             title = f"{literal(str(data['profile'].values[own]))}, {1e3 * _distance(data)[step]:.0f} km"
             ax.set(xlabel="arc length [mm]", title=title)
         row[0].set_ylabel(label)
-        row[0].legend()
+    axes[0, 0].legend()
     return figure
 
 
