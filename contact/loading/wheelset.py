@@ -101,15 +101,8 @@ def wheel_under_load(
 
     Raises LoadError.
     """
-    solution = depth_under_load(contact, state, side, load, expected, rtol)
+    solution = _find_depth(contact, state, (side,), load, expected, rtol)
     return WheelsetEquilibrium(replace(state, z=-solution.depth), {side: solution.results[0]}, solution.trials)
-
-
-def depth_under_load(
-    contact: WheelsetContact, state: WheelsetState, side: Side, load: float, expected: float, rtol: float = RTOL
-) -> LoadSolution:
-    """Depth -z at which one wheel carries a load; parameters and errors as for `wheel_under_load`."""
-    return _find_depth(contact, state, (side,), load, expected, rtol)
 
 
 def axle_under_load(

@@ -140,16 +140,17 @@ def test_processes_wear_with_all_bits(steps: tuple[Dataset, Path]) -> None:
         pass
 
 
-def test_another_contact_wears_at_the_loads_of_the_motion() -> None:
+@pytest.mark.parametrize("axle", [{}, {"wheelset.axle": {"diameter": 0.16}, "track.pads": {}}])
+def test_another_contact_wears_at_the_loads_of_the_motion(axle: dict[str, Any]) -> None:
     """The motion's own contact, taken for another one, repeats its wear; on the loads of `standard` nearly so."""
     strips = {"bodies": "half-space", "strips": 6, "cells": 10, "model": "condensed", "surface_size": 1e-3}
-    elastic = {"share": 1.0, "steady": WIDE, "set": {**strips, "laws": "exact"}}
+    elastic = {"share": 1.0, "steady": WIDE, "set": {**strips, "laws": "exact", **axle}}
     own, again = (wear(elastic, contact=contact) for contact in ({}, {"E": 210e9 * (1.0 + 1e-9)}))
     np.testing.assert_allclose(again["t_gamma"].values[0], own["t_gamma"].values[0], rtol=1e-5)
     rate = own["area_rate"].values[0, 0]
     np.testing.assert_allclose(again["area_rate"].values[0, 0], rate, atol=1e-5 * rate.max())
-    lifted = wear({"share": 1.0, "steady": WIDE}, contact={**strips, "laws": "exact"})
-    standard = wear({"share": 1.0, "steady": WIDE})
+    lifted = wear({"share": 1.0, "steady": WIDE, "set": axle}, contact={**strips, "laws": "exact"})
+    standard = wear({"share": 1.0, "steady": WIDE, "set": axle})
     np.testing.assert_allclose(lifted["t_gamma"].values[0], own["t_gamma"].values[0], rtol=0.05)
     assert (lifted["area_rate"].values[0] != standard["area_rate"].values[0]).any()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
@@ -13,7 +14,7 @@ import pytest
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.results.vehicle_contact import ContactsByWheelset
 from wheelrail.meshes.profiles.named import named_profile
-from wheelrail.scenes.builders.wheelset import side_profiles, wheelset_contact
+from wheelrail.scenes.builders.wheelset import run_contact, side_profiles, wheelset_contact
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.scenes.wear.cases import Duty
@@ -29,6 +30,7 @@ FILES = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manches
 CURVE = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
 NAMES = [f"wheelset_{number}" for number in (1, 2, 3, 4)]
 ICE = {"contacts.ice": {"wheelsets": ["wheelset_2"], "friction": 0.0}}
+ELASTIC = {"wheelset.axle": {"diameter": 0.16}, "track.pads": {}}
 
 
 def duty(profiles: str, **more: Any) -> Duty:
@@ -38,9 +40,9 @@ def duty(profiles: str, **more: Any) -> Duty:
 
 
 @cache
-def rates(profiles: str, *, both_hands: bool = False, turned: bool = False, ice: bool = False) -> Array:
-    """Sections removed from the cells of each new profile per distance (profiles, n), m."""
-    own = duty(profiles, turned=turned, case={"both_hands": both_hands, "set": ICE if ice else {}})
+def rates(profiles: str, *, both_hands: bool = False, turned: bool = False, scene: str = "{}") -> Array:
+    """Sections removed from the cells of each new profile per distance (profiles, n), m; scene: its changes."""
+    own = duty(profiles, turned=turned, case={"both_hands": both_hands, "set": json.loads(scene)})
     new = own.unworn()
     with own.contacts(new, new, own.cases) as contacts:
         found = [own.rates(case, contacts[case.contact_key], new, {}).rates.wheels for case in own.cases]
@@ -99,9 +101,29 @@ def test_wheels_run_on_their_own_worn_profiles() -> None:
 
 def test_wheels_without_friction_do_not_wear() -> None:
     """A contact by name in the duty."""
-    sections = rates("wheelsets", ice=True).sum(axis=1)
+    sections = rates("wheelsets", scene=json.dumps(ICE)).sum(axis=1)
     assert sections[1] == 0.0
     assert (sections[[0, 2, 3]] > 0.0).all()
+
+
+def test_rails_on_stiff_pads_wear_wheels_as_rigid_ones() -> None:
+    pads = json.dumps({"track.pads": {"vertical": 1e12, "lateral": 1e12}})
+    close(rates("wheelsets", scene=pads), rates("wheelsets"), 2e-4)
+
+
+def test_wheels_on_elastic_axles_wear_as_in_their_equilibrium() -> None:
+    own = duty("wheelsets", case={"set": ELASTIC})
+    scene, new, case = own.cases[0].scene, own.unworn(), own.cases[0]
+    contact, structures = run_contact(scene, case.vehicle.wheelsets)
+    curve = ConstantCurve(25.0, 1.0 / 600.0, 0.1)
+    found = equilibrium(VehicleDynamics(case.vehicle, curve.track, contact, 25.0, structures))
+    with own.contacts(new, new, own.cases) as contacts:
+        wear = own.rates(case, contacts[case.contact_key], new, {}).rates
+    for name, sides in found.contacts.items():
+        power = [patch.frictional_power for one in sides.values() for patch in one.patches]
+        assert wear.wheels[name].t_gamma == pytest.approx(sum(power) / 2 / 25.0, rel=1e-6)
+    rigid = rates("wheelsets")
+    assert abs(rates("wheelsets", scene=json.dumps(ELASTIC)) - rigid).max() > 0.1 * rigid.max()  # places move
 
 
 @pytest.mark.parametrize(

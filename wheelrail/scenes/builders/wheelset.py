@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from wheelrail.scenes.builders.laws import laws, material, standard_contact
 from wheelrail.scenes.schema.errors import SceneError
@@ -16,7 +16,7 @@ from wheelrail.scenes.schema.tables import PadsTable
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.first_contact import RigidWheelset
     from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-    from wheelrail.contact.loading.flexible_contact import FlexiblePairs
+    from wheelrail.contact.loading.flexible_contact import FlexibleContact, FlexiblePairs
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
     from wheelrail.contact.loading.structure import Structure
     from wheelrail.contact.models.wheelset import WheelsetContact
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
+K = TypeVar("K", bound=Hashable)
 SideProfiles = Mapping[str, "tuple[Profile, Profile]"]  # of wheel and inclined rail by side
 
 
@@ -92,21 +93,39 @@ def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleConta
         contacts[id(named)] = wheelset_contact(named, profiles[id(named)], models)
     if not scene.is_flexible:
         return _by_wheelset(scene, contacts), None
+    own = {name: id(scene.contact_of(name)) for name in wheelsets}
+    moving, structures = on_structures(scene, own, profiles, contacts)
+    return _by_wheelset(scene, moving), structures
+
+
+def on_structures(
+    scene: RunScene, own: Mapping[str, K], profiles: Mapping[K, SideProfiles], contacts: Mapping[K, WheelsetContact]
+) -> tuple[dict[K, FlexibleContact], tuple[Structure | None, ...]]:
+    """Contacts of moving hubs and rails by key, and axle and rails of each wheelset; None where both are rigid.
+
+    Parameters:
+        scene: with elastic axles or tracks.
+        own: key of the contact of each wheelset by name.
+        profiles, contacts: by key.
+
+    Raises SceneError for an axle that does not fit the wheels.
+    """
     from wheelrail.contact.loading.flexible_contact import FlexibleContact
     from wheelrail.contact.loading.flexible_wheelset import Flexibility
 
-    scenes = [(scene.on_wheelset(name), id(scene.contact_of(name))) for name in wheelsets]
-    kinds = {(on.elastic_keys, own): on for on, own in scenes}
-    of = {(keys, own): flexibility(on, profiles[own]) for (keys, own), on in kinds.items()}
-    for own, contact in contacts.items():
+    scenes = [(scene.on_wheelset(name), key) for name, key in own.items()]
+    kinds = {(on.elastic_keys, key): on for on, key in scenes}
+    of = {(keys, key): flexibility(on, profiles[key]) for (keys, key), on in kinds.items()}
+    moving = dict[K, FlexibleContact]()
+    for key, contact in contacts.items():
         # Of its flexibility the contact takes the feet of the rails, which do not depend on their supports.
-        on_feet = (flexible for (_, other), flexible in of.items() if other == own and flexible.rails is not None)
-        contacts[own] = FlexibleContact(contact, next(on_feet, Flexibility()))
+        on_feet = (flexible for (_, other), flexible in of.items() if other == key and flexible.rails is not None)
+        moving[key] = FlexibleContact(contact, next(on_feet, Flexibility()))
     structures = {
-        (keys, own): _structure(on, profiles[own], replace(contacts[own].pairs, flexibility=of[keys, own]))
-        for (keys, own), on in kinds.items()
+        (keys, key): _structure(on, profiles[key], replace(moving[key].pairs, flexibility=of[keys, key]))
+        for (keys, key), on in kinds.items()
     }
-    return _by_wheelset(scene, contacts), tuple(structures[on.elastic_keys, own] for on, own in scenes)
+    return moving, tuple(structures[on.elastic_keys, key] for on, key in scenes)
 
 
 def _by_wheelset(scene: RunScene, contacts: Mapping[int, VehicleContact]) -> VehicleContact:

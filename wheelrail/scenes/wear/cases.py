@@ -19,7 +19,7 @@ from wheelrail.contact.wear.laws import WearLaw
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.scenes.builders.laws import laws
 from wheelrail.scenes.builders.vehicle import applied_loads
-from wheelrail.scenes.builders.wheelset import SideProfiles, mounted, side_profiles, wheelset_contact
+from wheelrail.scenes.builders.wheelset import SideProfiles, mounted, on_structures, side_profiles, wheelset_contact
 from wheelrail.scenes.runs.run import simulate_on_track, vehicle_for_run
 from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.edits import changed
@@ -38,6 +38,7 @@ from wheelrail.vehicle.wear.rates import MeanRates, MotionRates, WornSurface
 
 if TYPE_CHECKING:
     from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+    from wheelrail.contact.loading.structure import Structure
     from wheelrail.contact.models.lattice.influence.strip_operators import StripOperators
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.vehicle.multibody.equations import VehicleEvaluation, WheelContacts
@@ -51,6 +52,7 @@ OPPOSITE: Mapping[Side, Side] = {"left": "right", "right": "left"}
 WITHOUT_CELLS = ("table",)
 
 Profiles = Mapping[str, WearingProfile]  # by name
+Structures = Sequence["Structure | None"] | None  # axle and rails of each wheelset; None where all are rigid
 
 
 @dataclass(frozen=True)
@@ -130,10 +132,11 @@ class _Made(NamedTuple):
 
 
 class CaseContact(NamedTuple):
-    """Contact of a case's motion, and that of its wear; None where it is the same."""
+    """Contact of a case's motion, that of its wear, None where it is the same, and elastic axles and rails."""
 
     motion: VehicleContact
     wearing: LiftedContact | None
+    structures: Structures
 
     def results(self) -> Callable[[Mapping[str, WheelsetState], WheelContacts], WheelContacts]:
         """Function for a new motion: results that wear, from states and results of its wheelsets."""
@@ -219,8 +222,6 @@ class Duty:
             assert isinstance(wearing, RunScene)
             if wearing.model in WITHOUT_CELLS:
                 raise SceneError(f'{file}: model = "{wearing.model}": has no cells to wear')
-            if scene.is_flexible:
-                raise SceneError(f"{file}: wheelset.axle, track.pads: not known to wear")
             return Case(name, table, scene, wearing, vehicle_for_run(scene, vehicle))
         except SceneError as error:
             raise SceneError(f"{self.path}: duty {name!r}: {error}") from None
@@ -276,7 +277,7 @@ class Duty:
             if any(own.removed.any() for own in renewed.values()):
                 block.enter_context(unstored())
 
-            def shared(own: dict[str, WheelsetContact], case: Case) -> VehicleContact:
+            def shared(own: Mapping[str, VehicleContact], case: Case) -> VehicleContact:
                 first = next(iter(own.values()))
                 same = all(contact is first for contact in own.values())
                 contact = first if same else ContactsByWheelset(first, own)
@@ -284,11 +285,12 @@ class Duty:
 
             for case in cases:
                 if (key := case.contact_key) not in found:
-                    motion, wearing = shared(self._contacts(case, case.scene, made), case), None
+                    own, structures = self._contacts(case, case.scene, made)
+                    motion, wearing = shared(own, case), None
                     if case.is_lifted:
-                        lifted = self._contacts(case, case.wearing, made)
+                        lifted, _ = self._contacts(case, case.wearing, made)
                         wearing = LiftedContact(case.wearing, lifted, shared(lifted, case))
-                    found[key] = CaseContact(motion, wearing)
+                    found[key] = CaseContact(motion, wearing, structures)
             yield found
 
     def groups(self, case: Case, scene: RunScene) -> list[list[str]]:
@@ -299,17 +301,23 @@ class Duty:
             found.setdefault(key, []).append(name)
         return list(found.values())
 
-    def _contacts(self, case: Case, scene: RunScene, made: _Made) -> dict[str, WheelsetContact]:
-        """Contacts of a scene of a case by wheelset."""
+    def _contacts(self, case: Case, scene: RunScene, made: _Made) -> tuple[Mapping[str, VehicleContact], Structures]:
+        """Contacts of a scene of a case by wheelset, and axles and rails, which bend as with new profiles."""
         present = {name: own.present for name, own in made.profiles.items()}
         found: dict[str, WheelsetContact] = {}
+        firsts: dict[str, str] = {}  # first wheelset with the same contact
         for wheelsets in self.groups(case, scene):
             first = wheelsets[0]
             contact = wheelset_contact(scene.contact_of(first), self.pairs(case, first, present), made.models)
             on_bodies = partial(self._on_bodies, case, scene, first, made)
             left, right = on_bodies(contact, "left"), contact.right and on_bodies(contact.right, "right")
-            found |= dict.fromkeys(wheelsets, replace(left, right=right))
-        return found
+            found[first] = replace(left, right=right)
+            firsts |= dict.fromkeys(wheelsets, first)
+        own = {name: firsts[name] for name in case.vehicle.wheelsets}
+        if not scene.is_flexible:
+            return {name: found[first] for name, first in own.items()}, None
+        moving, structures = on_structures(scene, own, case.new_profiles, found)
+        return {name: moving[first] for name, first in own.items()}, structures
 
     def pairs(self, case: Case, wheelset: str, present: Mapping[str, Profile]) -> SideProfiles:
         """Worn wheel and inclined rail of a wheelset by side; present: profiles by name."""
@@ -400,7 +408,7 @@ class Duty:
         curve = ConstantCurve(steady.speed, hand * steady.curvature, steady.cant, case.scene.track.track().base)
         loads = applied_loads(case.scene, case.vehicle)
         motion = contact.motion
-        dynamics = VehicleDynamics(case.vehicle, curve.track, motion, steady.speed, None, loads)
+        dynamics = VehicleDynamics(case.vehicle, curve.track, motion, steady.speed, contact.structures, loads)
         with failures_as_run_failed():
             found = equilibrium(dynamics.with_constant_loads(0.0), guess=guess, acceptable=UNBALANCED)
         rates.residual = max(rates.residual, found.residual)
@@ -424,7 +432,8 @@ class Duty:
                 rates.add(travel.speed, results(at.states, at.contacts))
 
         recording = Recording(self.table.interval / scene.vehicle.first_speed, observer=observe)
-        history = simulate_on_track(scene, case.vehicle, contact.motion, end, recording, lambda *_: None)
+        motion, structures = contact.motion, contact.structures
+        history = simulate_on_track(scene, case.vehicle, motion, end, recording, lambda *_: None, structures)
         if history.status != "completed":
             raise RunFailed(history.status)
         if not rates.wheels:

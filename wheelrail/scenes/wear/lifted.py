@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.load_search import LoadError, LoadSolution, Results, find_depth_for_load
-from wheelrail.contact.loading.wheelset import depth_under_load
-from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.wheelset import wheel_scale
@@ -35,7 +32,7 @@ class LiftedContact:
     """
 
     scene: RunScene
-    contacts: Mapping[str, WheelsetContact]
+    contacts: Mapping[str, VehicleContact]
     shared: VehicleContact
 
     def motion(self) -> LiftedMotion:
@@ -75,22 +72,20 @@ class LiftedMotion:
         def wheel(depth: float, guess: Results | None) -> Results:
             return (contact(replace(state, z=-depth), side, guess[0] if guess else None),)
 
-        solution: LoadSolution | None = None
+        near: list[tuple[Results | None, float | None, float]] = [(None, None, 0.0)]  # guess, slope, lift of starts
         if (name, side) in self.found:
             last, lift = self.found[name, side]
-            with suppress(LoadError):
+            near.insert(0, (last.results, last.slope, lift))
+        for guess, slope, lift in near:
+            start = -(state.z + lift)
+            try:
                 solution = find_depth_for_load(
-                    wheel,
-                    load,
-                    expected=expected,
-                    start=-(state.z + lift),
-                    rtol=RTOL,
-                    guess=last.results,
-                    known_slope=last.slope,
+                    wheel, load, expected=expected, start=start, rtol=RTOL, guess=guess, known_slope=slope
                 )
-        try:
-            solution = solution or depth_under_load(contact, state, side, load, expected, RTOL)
-        except LoadError as error:
-            return ContactResult.failed(f"{error}")
+                break
+            except LoadError as error:
+                failure = f"{error}"
+        else:
+            return ContactResult.failed(failure)
         self.found[name, side] = solution, -solution.depth - state.z
         return solution.results[0]
