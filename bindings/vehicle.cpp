@@ -6,6 +6,7 @@
 
 #include "vehicle/multibody/core/derivatives.hpp"
 #include "vehicle/multibody/core/energy.hpp"
+#include "vehicle/multibody/core/slider.hpp"
 #include "vehicle/simulation/core/excitation.hpp"
 
 namespace nb = nanobind;
@@ -69,12 +70,13 @@ void check_indices(const Vehicle& v) {
     auto within = [](int i, std::size_t size) { return i >= 0 && i < int(size); };
     auto body = [&](int i) { return within(i, v.bodies.size()); };
     auto law = [&](int i) { return i == -1 || within(i, v.laws.size()); };
+    auto internal = [&](int i) { return i >= -1 && i < v.internal; };
     auto table = [](const Table& t) { return !t.places.empty() && t.places.size() == t.values.size(); };
-    bool right = !v.bodies.empty() && (v.kept == -1 || body(v.kept)) && v.maxwell >= 0;
+    bool right = !v.bodies.empty() && (v.kept == -1 || body(v.kept)) && v.internal >= 0;
     for (const auto& e : v.elements) {
         right &= body(e.upper) && body(e.lower);
         for (const auto& d : e.directions)
-            right &= law(d.spring_law) && law(d.damper_law) && d.series >= -1 && d.series < v.maxwell;
+            right &= law(d.spring_law) && law(d.damper_law) && internal(d.series) && internal(d.friction.slider);
     }
     for (const auto& [first, second] : v.pairs)
         right &= within(first, v.elements.size()) && (second == -1 || within(second, v.elements.size()));
@@ -128,7 +130,7 @@ Results<3> derivatives(const Vehicle& v, const Journey& travel, const Journey& r
 Results<2> motions(const Vehicle& v, const Journey& travel, Values state, Values sections) {
     require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
     auto all = v.body_states(travel_of(travel), state.data(), sections.data());
-    std::vector<double> rows(18 * all.size()), loads(6 * all.size()), rates(v.maxwell);
+    std::vector<double> rows(18 * all.size()), loads(6 * all.size()), rates(v.internal);
     double *to = rows.data(), *load = loads.data();
     for (const auto& at : all) {
         const auto& m = at.motion;
@@ -141,24 +143,50 @@ Results<2> motions(const Vehicle& v, const Journey& travel, Values state, Values
     return results(array(std::move(rows), {all.size(), 6, 3}), array(std::move(loads), {all.size(), 2, 3}));
 }
 
-// Deflections m, their rates m/s, forces N and rates m/s of the springs of Maxwell elements (4, e, 3) in the elements'
-// axes.
+ElementState<double> state_of(const Vehicle& v, const Element& e, const std::vector<BodyState<double>>& all,
+                              const double* state) {
+    return element_state(e, v.laws, all[e.upper].motion, all[e.lower].motion, v.bodies[e.lower].wheelset,
+                         v.internal_of<double>(e, state));
+}
+
+// Deflections m, their rates m/s, forces N, rates m/s of the springs of Maxwell elements, and largest friction N (5, e,
+// 3) in the elements' axes.
 Result element_states(const Vehicle& v, const Journey& travel, Values state, Values sections) {
     require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
     auto all = v.body_states(travel_of(travel), state.data(), sections.data());
     std::size_t size = 3 * v.elements.size();
-    std::vector<double> rows(4 * size);
+    std::vector<double> rows(5 * size);
     for (std::size_t e = 0; e < v.elements.size(); ++e) {
-        const auto& own = v.elements[e];
-        auto s = element_state(own, v.laws, all[own.upper].motion, all[own.lower].motion, v.bodies[own.lower].wheelset,
-                               v.series_of<double>(own, state.data()));
-        const Vec<double>* parts[] = {&s.deflection, &s.deflection_rate, &s.own_force, &s.series_rate};
-        for (int k = 0; k < 4; ++k) {
+        auto s = state_of(v, v.elements[e], all, state.data());
+        const Vec<double>* parts[] = {&s.deflection, &s.deflection_rate, &s.own_force, &s.series_rate,
+                                      &s.friction_limit};
+        for (int k = 0; k < 5; ++k) {
             double* to = rows.data() + k * size + 3 * e;
             store(to, *parts[k]);
         }
     }
-    return array(std::move(rows), {4, v.elements.size(), 3});
+    return array(std::move(rows), {5, v.elements.size(), 3});
+}
+
+// Internal variables (m,) at the end of a step, of which sliders count from its start, and distances (m,) m by which
+// they would be wrong had no deflection turned back within the step.
+Results<2> settled_internal(const Vehicle& v, const std::array<Journey, 2>& travels,
+                            const std::array<Values, 2>& states, const std::array<Values, 2>& sections) {
+    for (int i : {0, 1})
+        require(states[i], v.states(), "state"), require(sections[i], 18 * v.bodies.size(), "sections");
+    auto of = [&](int i) { return v.body_states(travel_of(travels[i]), states[i].data(), sections[i].data()); };
+    auto start = of(0), end = of(1);
+    const double *first = states[0].data() + 12 * v.count(), *last = states[1].data() + 12 * v.count();
+    std::vector<double> internal(last, last + v.internal), turned(v.internal);
+    for (const auto& e : v.elements)
+        for (const auto& d : e.directions)
+            if (int m = d.friction.slider; m >= 0) internal[m] = first[m];
+    double duration = travels[1][3] - travels[0][3];
+    for (const auto& e : v.elements)
+        settle(e, state_of(v, e, start, states[0].data()), state_of(v, e, end, states[1].data()), duration,
+               internal.data(), turned.data());
+    std::size_t size = v.internal;
+    return results(array(std::move(internal), {size}), array(std::move(turned), {size}));
 }
 
 // Torques (p,) N m about the axles, and components (f, 3) N of forces along the axes of the sections.
@@ -192,9 +220,11 @@ NB_MODULE(_vehicle, m) {
     nb::class_<Body>(m, "Body").def(nb::init<double, double, double, Vector, bool, std::array<bool, 6>>(), "place"_a,
                                     "height"_a, "mass"_a, "inertia"_a, "wheelset"_a, "held"_a);
     nb::class_<Law>(m, "Law").def(nb::init<bool, List, List>(), "odd"_a, "values"_a, "forces"_a);
+    nb::class_<Friction>(m, "Friction")
+        .def(nb::init<int, double, double, double>(), "slider"_a, "stiffness"_a, "limit"_a, "share"_a);
     nb::class_<Direction>(m, "Direction")
-        .def(nb::init<double, double, int, int, int, double>(), "spring"_a, "damper"_a, "spring_law"_a, "damper_law"_a,
-             "series"_a, "series_stiffness"_a);
+        .def(nb::init<double, double, int, int, int, double, Friction>(), "spring"_a, "damper"_a, "spring_law"_a,
+             "damper_law"_a, "series"_a, "series_stiffness"_a, "friction"_a);
     nb::class_<Element>(m, "Element")
         .def(nb::init<int, int, Vector, Vector, double, double, std::array<Direction, 3>>(), "upper"_a, "lower"_a,
              "upper_arm"_a, "lower_arm"_a, "turn"_a, "static_load"_a, "directions"_a);
@@ -221,18 +251,19 @@ NB_MODULE(_vehicle, m) {
             [](Vehicle* self, Track track, std::vector<Body> bodies, std::vector<Law> laws,
                std::vector<Element> elements, std::vector<std::array<int, 2>> pairs,
                std::vector<RotationalSpring> springs, std::vector<Torque> torques, std::vector<Force> forces,
-               double radius, double gravity, double release, int kept, std::array<double, 2> hold, int maxwell) {
+               double radius, double gravity, double release, int kept, std::array<double, 2> hold, int internal) {
                 Vehicle v{track,  bodies,  laws,    elements, pairs,   springs, torques, forces,
-                          radius, gravity, release, kept,     hold[0], hold[1], maxwell};
+                          radius, gravity, release, kept,     hold[0], hold[1], internal};
                 check_indices(v);
                 new (self) Vehicle(std::move(v));
             },
             "track"_a, "bodies"_a, "laws"_a, "elements"_a, "pairs"_a, "springs"_a, "torques"_a, "forces"_a, "radius"_a,
-            "gravity"_a, "release"_a, "kept"_a, "hold"_a, "maxwell"_a)
+            "gravity"_a, "release"_a, "kept"_a, "hold"_a, "internal"_a)
         .def("sections", &sections, "distance"_a, "state"_a)
         .def("accelerations", &accelerations, "travel"_a, "state"_a, "sections"_a, "contacts"_a)
         .def("derivatives", &derivatives, "travel"_a, "rates"_a, "state"_a, "contacts"_a)
         .def("motions", &motions, "travel"_a, "state"_a, "sections"_a)
+        .def("settled", &settled_internal, "travels"_a, "states"_a, "sections"_a)
         .def("element_states", &element_states, "travel"_a, "state"_a, "sections"_a)
         .def("load_values", &load_values, "travel"_a, "state"_a, "sections"_a)
         .def(
@@ -241,8 +272,8 @@ NB_MODULE(_vehicle, m) {
                 require(state, v.states(), "state"), require(sections, 18 * v.bodies.size(), "sections");
                 require(contacts, 6 * v.bodies.size(), "contacts");
                 auto e = energy_rates(v, travel_of(travel), state.data(), sections.data(), contacts.data());
-                return std::array<double, 7>{e.kinetic, e.elastic,  e.contacts, e.dampers,
-                                             e.weight,  e.inertial, e.applied};
+                return std::array<double, 8>{e.kinetic, e.elastic,  e.contacts, e.dampers,
+                                             e.weight,  e.inertial, e.applied,  e.friction};
             },
             "travel"_a, "state"_a, "sections"_a, "contacts"_a);
     m.def("differ",

@@ -30,13 +30,16 @@ RIGHT: dict[str, Any] = {
     "release": 0.1,
     "kept": -1,
     "hold": (0.0, 0.0),
-    "maxwell": 1,
+    "internal": 1,
 }
 ONE, NONE = core.Table(False, [0.0], [1.0]), core.Table(False, [], [])
 
 
-def element(upper: int = 0, lower: int = 1, spring_law: int = -1, damper_law: int = -1, series: int = -1) -> Any:
-    direction = core.Direction(1.0, 1.0, spring_law, damper_law, series, 1.0)
+def element(
+    upper: int = 0, lower: int = 1, spring_law: int = -1, damper_law: int = -1, series: int = -1, slider: int = -1
+) -> Any:
+    friction = core.Friction(slider, 1.0, 1.0, 0.0)
+    direction = core.Direction(1.0, 1.0, spring_law, damper_law, series, 1.0, friction)
     return core.Element(upper, lower, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, [direction] * 3)
 
 
@@ -48,6 +51,7 @@ WRONG: list[dict[str, Any]] = [
     {"elements": [element(spring_law=1)]},
     {"elements": [element(damper_law=-2)]},
     {"elements": [element(series=1)]},
+    {"elements": [element(slider=1)]},
     {"elements": [element()], "pairs": [[1, -1]]},
     {"elements": [element()], "pairs": [[0, 1]]},
     {"springs": [core.RotationalSpring(0, 2, (1.0, 1.0, 1.0))]},

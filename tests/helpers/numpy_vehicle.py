@@ -307,8 +307,20 @@ class NumpySuspension:
             force[..., e, j] -= law(deflection_rate[..., e, j])
         series_rate = np.empty_like(series)
         elements = list(self.coordinates.vehicle.elements.values())
-        for m, (e, j) in enumerate(self.coordinates.maxwell):
-            spring_force = elements[e].series_stiffness[j] * series[..., m]
+        load = np.array([part.stiffness[2] if isinstance(part.stiffness[2], float) else 0.0 for part in elements])
+        load = self.of.static_loads - load * deflection[..., 2]
+        for e, j, law in spring_laws:
+            if j == 2:
+                load[..., e] -= law(deflection[..., e, 2])
+        for (kind, e, j), m in self.coordinates.internal.items():
+            part = elements[e]
+            if kind == "slider":
+                limit = part.friction[j] + part.friction_coefficient[j] * np.maximum(load[..., e], 0.0)
+                spring = part.friction_stiffness[j] * (deflection[..., e, j] - series[..., m])
+                force[..., e, j] -= np.clip(spring, -limit, limit)
+                series_rate[..., m] = 0.0
+                continue
+            spring_force = part.series_stiffness[j] * series[..., m]
             force[..., e, j] -= spring_force
             series_rate[..., m] = deflection_rate[..., e, j] - _damper_velocity(elements[e].damping[j], spring_force)
         return force, series_rate

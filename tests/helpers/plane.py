@@ -22,7 +22,7 @@ MIRROR = np.tile([-1.0 if name.endswith(("_y", "_roll")) else 1.0 for name in CO
 def mirror_signs(coordinates: Coordinates) -> Array:
     """Factors (2 c + m,) of a state that is mirrored at y = 0: of sums and differences of mirrored springs, too."""
     bodies = np.tile([1.0, -1.0, 1.0, -1.0, 1.0, -1.0], len(coordinates.vehicle.names))[coordinates.free]
-    lateral = np.array([-1.0 if j == LATERAL else 1.0 for _, j in coordinates.maxwell])
+    lateral = np.array([-1.0 if j == LATERAL else 1.0 for _, _, j in coordinates.internal])
     differences = np.where(np.diag(coordinates.series) < 0.0, -1.0, 1.0)
     return np.concatenate([bodies, bodies, lateral * differences])
 

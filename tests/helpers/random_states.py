@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from linear_creep import LinearCreep
@@ -64,6 +64,9 @@ def changed(element: SuspensionElement, kind: str) -> SuspensionElement:
     if kind == "laws":
         stiffness, series = (1e6, STOP, element.stiffness[2]), (np.inf, np.inf, 5e6)
         return replace(element, stiffness=stiffness, damping=(DAMPER, 1e3, DAMPER), series_stiffness=series)
+    if kind == "friction" and element.damping[2]:  # about half of the sliders move
+        limits: Any = {"friction": (800.0, 5e3, 3e3), "friction_coefficient": (0.3, 0.1, 0.05)}
+        return replace(element, **limits, friction_stiffness=(1e6, 5e5, 1e6), series_stiffness=(np.inf, np.inf, 5e6))
     return element
 
 
@@ -98,6 +101,7 @@ KINDS = (
     "turned in part",
     "Maxwell elements",
     "laws",
+    "friction",
     "held coordinates",
     "brakes and forces",
     "free speed",

@@ -20,6 +20,7 @@ from wheelrail.vehicle.integration.problem import (
     Linearise,
     LongestStep,
     RightHandSide,
+    Settle,
     StepFailure,
     StepMethod,
 )
@@ -177,6 +178,7 @@ def integrate(
     follow: Follow[E] | None = None,
     next_end: NextEnd | None = None,
     longest: LongestStep[E] | None = None,
+    settle: Settle | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
@@ -196,6 +198,7 @@ def integrate(
             right-hand side; infinite for none.
         longest: the longest step s from a time, state and evaluation, up to a given one, whose stages do not overlook
             changes of the right-hand side over time; None: any.
+        settle: moves internal variables without rates, such as sliders of friction, at the end of a step; None: none.
 
     Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
@@ -222,8 +225,14 @@ def integrate(
             new, errors, last = trial_step(t, x, start, h)
             magnitude, after = np.maximum(np.abs(x), np.abs(new)), target if h == target - t else t + h
             error = settings.in_tolerances(errors, magnitude, trial_step.outputs)
+            if error <= 1.0 and settle is not None:
+                new, unsettled = settle(t, x, after, new)
+                error = max(error, settings.in_tolerances(unsettled, magnitude, None))
             if error <= 1.0:
                 end, nonlinear = trial_step.end(after, new, last)
+                if settle is not None and end is last:  # of explicit methods, before it settled
+                    counts.evaluations += 1
+                    end = rhs(after, new, last)
                 if nonlinear is not None:
                     error = max(error, settings.in_tolerances(nonlinear, magnitude, trial_step.outputs))
             if error > 1.0:

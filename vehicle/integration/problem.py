@@ -63,6 +63,11 @@ Follow = Callable[[float, Array, E], Forcing]
 LongestStep = Callable[[float, Array, E, float], float]
 
 
+# State at the end of a step with internal variables that move at ends of steps only, and the errors that the step has
+# because they did not move within it, (n,) each; by time and state at the start, and at the end.
+Settle = Callable[[float, Array, float, Array], tuple[Array, Array]]
+
+
 class StepMethod(Protocol[E]):
     """Trial step of length h from x at t, with the evaluation `start` there: new state, its errors, (n,) or (k, n), and
     the evaluation of the last stage. Raises StepFailure.

@@ -24,7 +24,7 @@ class Accelerations(NamedTuple):
     """Accelerations under given contact forces.
 
     Parameters:
-        rates: (c + m,) of the free coordinates, then m/s of the components for the springs of Maxwell elements.
+        rates: (c + m,) of the free coordinates, then m/s of the components for internal variables of elements.
         reactions: (n, 6) N and N m, generalised forces of the constraints of held coordinates; for free ones, their
             accelerations.
     """
@@ -34,8 +34,8 @@ class Accelerations(NamedTuple):
 
 
 class BodyDerivatives(NamedTuple):
-    """Derivatives of the accelerations (c,) of the coordinates and the rates (m,) of the components for the springs of
-    Maxwell elements.
+    """Derivatives of the accelerations (c,) of the coordinates and the rates (m,) of the components for the internal
+    variables of elements; those by sliders, which stay where they are within a step, are zero.
 
     Parameters:
         by_state: (c + m, 2 c + m).
@@ -80,7 +80,7 @@ class BodyEquations:
         return self.core.sections(travel.distance, self._all(state))
 
     def accelerations(self, travel: TrackPosition, state: Array, wrenches: Array, at: Array) -> Accelerations:
-        """Accelerations of the coordinates, rates of Maxwell elements, and forces of constraints.
+        """Accelerations of the coordinates, rates of internal variables, and forces of constraints.
 
         Parameters:
             travel: reference motion along the track.
@@ -98,7 +98,7 @@ class BodyEquations:
         rates = travel.speed, travel.acceleration, jerk, 1.0
         found = self.core.derivatives(travel, rates, self._all(state), self._contact(wrenches))
         by_state, by_time = found[0][self._rows[:, None], coordinates.within_all], found[1][self._rows]
-        if coordinates.maxwell:
+        if coordinates.internal:
             by_state[count:], by_time[count:] = (coordinates.from_series @ v[count:] for v in (by_state, by_time))
             by_state[:, 2 * count :] = by_state[:, 2 * count :] @ coordinates.series
         by_wrench = np.zeros_like(found[2])
@@ -114,8 +114,41 @@ class BodyEquations:
         """
         whole = zip(travels, self._all(states), strict=True)
         rows = [self.core.element_states(at, state, self.core.sections(at.distance, state)) for at, state in whole]
-        values = np.array(rows).reshape(-1, 4, len(self.coordinates.vehicle.elements), 3)
+        values = np.array(rows).reshape(-1, 5, len(self.coordinates.vehicle.elements), 3)
         return values[:, 0], values[:, 2]
+
+    def friction_limits(self, travel: TrackPosition, state: Array) -> Array:
+        """Largest friction (f,) N of the sliders."""
+        whole = self._all(state)
+        rows = self.core.element_states(travel, whole, self.core.sections(travel.distance, whole))
+        return np.array([rows[4][place] for place in self.coordinates.sliders])
+
+    def stuck(self, travel: TrackPosition, state: Array) -> Array:
+        """State with all sliders where their springs are unloaded."""
+        found, components = state.copy(), self.coordinates.slider_components
+        (deflections,), _ = self.element_states([travel], state[None])
+        places = np.zeros(len(self.coordinates.internal))
+        numbers = components - 2 * self.coordinates.count
+        places[numbers] = [deflections[place] for place in self.coordinates.sliders]
+        found[components] = (self.coordinates.from_series @ places)[numbers]
+        return found
+
+    def settled(self, travels: tuple[TrackPosition, TrackPosition], states: tuple[Array, Array]) -> tuple[Array, Array]:
+        """State (2 c + m + k,) at the end of a step whose sliders have been drawn along by the motion, and distances m
+        (2 c + m + k,) by which they would be wrong had no deflection turned back within the step.
+
+        Parameters:
+            travels: reference motion along the track at the start and the end.
+            states: (2 c + m + k,) there; the sliders count from the start.
+        """
+        whole = [self._all(state) for state in states]
+        sections = [self.core.sections(at.distance, state) for at, state in zip(travels, whole, strict=True)]
+        internal, turned = self.core.settled(travels, whole, sections)
+        state, errors, components = states[1].copy(), np.zeros_like(states[1]), self.coordinates.slider_components
+        numbers = components - 2 * self.coordinates.count
+        state[components] = (self.coordinates.from_series @ internal)[numbers]
+        errors[components] = (np.abs(self.coordinates.from_series) @ turned)[numbers]
+        return state, errors
 
     def motions(self, travel: TrackPosition, state: Array) -> tuple[Array, Array]:
         """Position m, velocity m/s, axes and angular velocity rad/s (n, 6, 3) of bodies. Force N and moment N m (n, 2,
@@ -135,7 +168,7 @@ class BodyEquations:
 
     def energy_rates(self, travel: TrackPosition, state: Array, wrenches: Array) -> tuple[float, ...]:
         """Kinetic and elastic energy J in the moving track frames, and powers W of contacts, dampers, gravity, inertial
-        forces of the frames and applied loads; parameters as for `accelerations`.
+        forces of the frames, applied loads and friction; parameters as for `accelerations`.
         """
         whole = self._all(state)
         at = self.core.sections(travel.distance, whole)
@@ -143,12 +176,12 @@ class BodyEquations:
 
     @cached_property
     def _rows(self) -> NDArray[np.int64]:
-        """Indices (c + m,) of free coordinates and Maxwell elements among all."""
+        """Indices (c + m,) of free coordinates and internal variables among all."""
         return self.coordinates.within_all[self.coordinates.count :] - self.coordinates.held.size
 
     def _in_components(self, rates: Array) -> Array:
-        """Rates (..., c + m) with the rates of Maxwell springs as components of the state."""
-        if self.coordinates.maxwell:
+        """Rates (..., c + m) with those of internal variables as components of the state."""
+        if self.coordinates.internal:
             springs = rates[..., self.coordinates.count :]
             rates[..., self.coordinates.count :] = springs @ self.coordinates.from_series.T
         return rates

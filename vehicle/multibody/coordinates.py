@@ -1,7 +1,8 @@
-"""State of a vehicle: free coordinates of its bodies, their rates, Maxwell elements."""
+"""State of a vehicle: free coordinates of its bodies, their rates, internal variables of its elements."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.vehicle import COORDINATES, Vehicle
+from wheelrail.vehicle.multibody.vehicle import COORDINATES, SuspensionElement, Vehicle
 
 X, Y, Z, ROLL, PITCH, YAW = range(6)
 RATE_SCALE = 100.0  # 1/s, tolerance of a rate over that of its coordinate
@@ -25,7 +26,7 @@ class VehicleState(NamedTuple):
             its nominal position in the track frame at its own distance, roll, pitch and yaw. The pitch of a wheelset
             counts from nominal rolling of the reference motion.
         rate: (..., n, 6) their rates.
-        series: (..., m) m, spring deflections of Maxwell elements.
+        series: (..., m) m, internal variables of elements, see `Coordinates.internal`.
     """
 
     position: Array
@@ -36,13 +37,13 @@ class VehicleState(NamedTuple):
 @dataclass(frozen=True)
 class Coordinates:
     """Order of the state (2 c + m,) of a vehicle of n bodies: c free ones of 6 n coordinates, their rates, m components
-    for the springs of Maxwell elements.
+    for the internal variables of elements.
 
     Parameters:
         vehicle: the bodies and elements.
 
-    Springs of elements that are mirror images of each other have the mean and half the difference of their deflections
-    as components: a mirrored motion changes signs only, and linear systems are eliminated in the same order.
+    Internal variables of elements that are mirror images of each other have the mean and half the difference of their
+    values as components: a mirrored motion changes signs only, and linear systems are eliminated in the same order.
     """
 
     vehicle: Vehicle
@@ -76,17 +77,39 @@ class Coordinates:
     @cached_property
     def maxwell(self) -> tuple[tuple[int, int], ...]:
         """Element and direction of each Maxwell element."""
+        return self._where(lambda part, j: part.series_stiffness[j] < inf)
+
+    @cached_property
+    def sliders(self) -> tuple[tuple[int, int], ...]:
+        """Element and direction of each slider."""
+        return self._where(lambda part, j: part.has_friction(j))
+
+    def _where(self, has: Callable[[SuspensionElement, int], bool]) -> tuple[tuple[int, int], ...]:
         elements = self.vehicle.elements.values()
-        return tuple((e, j) for e, part in enumerate(elements) for j in range(3) if part.series_stiffness[j] < inf)
+        return tuple((e, j) for e, part in enumerate(elements) for j in range(3) if has(part, j))
+
+    @cached_property
+    def internal(self) -> dict[tuple[str, int, int], int]:
+        """Number among the internal variables by kind, element and direction: "series", spring deflections m of Maxwell
+        elements; "slider", deflections m at which springs of sliders are unloaded.
+        """
+        kinds = (("series", self.maxwell), ("slider", self.sliders))
+        return {(kind, *at): m for m, (kind, at) in enumerate((k, p) for k, places in kinds for p in places)}
+
+    @cached_property
+    def slider_components(self) -> NDArray[np.int64]:
+        """Indices in the state of the components for sliders, which move at the ends of steps only."""
+        numbers = [m for (kind, *_), m in self.internal.items() if kind == "slider"]
+        return 2 * self.count + np.array(numbers, dtype=np.int64)
 
     @cached_property
     def series(self) -> Array:
-        """(m, m) spring deflections of Maxwell elements by their components in the state."""
-        result, places = np.eye(len(self.maxwell)), {place: m for m, place in enumerate(self.maxwell)}
+        """(m, m) internal variables by their components in the state."""
+        result = np.eye(len(self.internal))
         for first, second in self.vehicle.mirror_pairs:
-            for j in range(3):
-                if second >= 0 and (first, j) in places:
-                    pair = [places[first, j], places[second, j]]
+            for (kind, e, j), m in self.internal.items():
+                if second >= 0 and e == first:
+                    pair = [m, self.internal[kind, second, j]]
                     result[np.ix_(pair, pair)] = [[1.0, 1.0], [1.0, -1.0]]
         return result
 
@@ -97,13 +120,13 @@ class Coordinates:
 
     @cached_property
     def size(self) -> int:
-        return 2 * self.count + len(self.maxwell)
+        return 2 * self.count + len(self.internal)
 
     @cached_property
     def within_all(self) -> NDArray[np.int64]:
-        """Indices (2 c + m,) of the state among 6 n coordinates, their rates, and Maxwell elements."""
+        """Indices (2 c + m,) of the state among 6 n coordinates, their rates, and internal variables."""
         total = self.held.size
-        return np.concatenate([self.free, total + self.free, 2 * total + np.arange(len(self.maxwell))])
+        return np.concatenate([self.free, total + self.free, 2 * total + np.arange(len(self.internal))])
 
     def index(self, body: str, coordinate: int) -> int:
         """Index of a free coordinate in the state; that of its rate is larger by `count`. Raises KeyError."""
@@ -143,12 +166,12 @@ class Coordinates:
         )
 
     def expanded(self, state: Array) -> Array:
-        """Coordinates, held ones included, their rates, and spring deflections of Maxwell elements, (..., 12 n + m), of
-        states (..., 2 c + m); further components are left out.
+        """Coordinates, held ones included, their rates, and internal variables of elements, (..., 12 n + m), of states
+        (..., 2 c + m); further components are left out.
         """
-        full = np.zeros((*state.shape[:-1], 2 * self.held.size + len(self.maxwell)), state.dtype)
+        full = np.zeros((*state.shape[:-1], 2 * self.held.size + len(self.internal)), state.dtype)
         full[..., self.within_all] = state[..., : self.size]
-        if self.maxwell:
+        if self.internal:
             full[..., 2 * self.held.size :] = state[..., 2 * self.count : self.size] @ self.series.T
         return full
 

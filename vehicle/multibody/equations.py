@@ -16,7 +16,7 @@ from wheelrail.contact.kinematics.wheelset_state import RailShift, WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import ContactsByWheelset, VehicleContact
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.integration.problem import Settle, StepFailure
 from wheelrail.vehicle.loads.applied_loads import AppliedLoads
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquations
@@ -212,6 +212,15 @@ class VehicleDynamics:
         accelerations, _ = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections)
         structure = self._structure_rates(travel, state, states, contacts)
         return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations, structure]), contacts, start, states)
+
+    @property
+    def settle(self) -> Settle | None:
+        """How the sliders of frictional elements follow a step; None: there are none."""
+        return self._settled if self.coordinates.sliders else None
+
+    def _settled(self, t0: float, x0: Array, t: float, x: Array) -> tuple[Array, Array]:
+        """State (2 c + m + k,) at the end of a step with its sliders where they are then, and their errors m."""
+        return self.bodies.settled((self.speed_profile(t0), self.speed_profile(t)), (x0, x))
 
     def distances(self, travel: TrackPosition, state: Array) -> Array:
         """Distances (w,) m of the wheelsets along the track."""

@@ -51,7 +51,7 @@ class VehicleBody:
 
 @dataclass(frozen=True)
 class SuspensionElement:
-    """Springs and dampers in three directions between two points that coincide in the nominal position.
+    """Springs, dampers and friction in three directions between two points that coincide in the nominal position.
 
     Parameters:
         upper, lower: names of the bodies; the upper one is no wheelset.
@@ -60,6 +60,9 @@ class SuspensionElement:
         damping: (3,) N s/m, or force laws over velocity m/s.
         series_stiffness: (3,) N/m, of a spring in series with the damper (Maxwell element); inf: rigid.
         turn: the element's axes turn with the lower body (0), the upper body (1), or in between.
+        friction: (3,) N, force at which a slider moves.
+        friction_coefficient: (3,) the same as a part of the vertical spring force, static load included, in addition.
+        friction_stiffness: (3,) N/m, of a spring in series with the slider.
 
     Deflections are those of the upper point relative to the lower one. The law of a vertical spring gives the change of
     force from the static load, see `static_loads`.
@@ -72,6 +75,13 @@ class SuspensionElement:
     damping: Laws = (0.0, 0.0, 0.0)
     series_stiffness: tuple[float, float, float] = (inf, inf, inf)
     turn: float = 0.0
+    friction: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    friction_coefficient: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    friction_stiffness: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def has_friction(self, direction: int) -> bool:
+        """Whether there is a slider along x (0), y (1), z (2)."""
+        return self.friction[direction] > 0.0 or self.friction_coefficient[direction] > 0.0
 
 
 @dataclass(frozen=True)
@@ -198,6 +208,11 @@ class Vehicle:
         for part in ("stiffness", "damping"):
             laws = getattr(element, part)
             _check_numbers(f"{key}.{part}", tuple(law for law in laws if not isinstance(law, ForceLaw)))
+        for part in ("friction", "friction_coefficient", "friction_stiffness"):
+            _check_numbers(f"{key}.{part}", getattr(element, part))
+        for direction, stiffness in enumerate(element.friction_stiffness):
+            if element.has_friction(direction) != (stiffness > 0.0):
+                raise InvalidVehicle(f"{key}.friction_stiffness", "must be positive where there is friction, else zero")
         if not 0.0 <= element.turn <= 1.0:
             raise InvalidVehicle(f"{key}.turn", "must be from 0 to 1")
         for series, damping in zip(element.series_stiffness, element.damping, strict=True):

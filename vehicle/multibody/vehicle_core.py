@@ -36,16 +36,18 @@ def vehicle_core(suspension: SuspensionArrays, sections: TrackSections, applied:
     def linear(law: Law) -> float:
         return 0.0 if isinstance(law, ForceLaw) else float(law)
 
-    places = {place: m for m, place in enumerate(coordinates.maxwell)}
+    def friction(e: int, j: int) -> core.Friction:
+        part = elements[e]
+        numbers = part.friction_stiffness[j], part.friction[j], part.friction_coefficient[j]
+        return core.Friction(coordinates.internal.get(("slider", e, j), -1), *numbers)
 
     def direction(e: int, j: int) -> core.Direction:
-        part, m = elements[e], places.get((e, j), -1)
+        part, m = elements[e], coordinates.internal.get(("series", e, j), -1)
         damping = part.damping[j]
         law = damping.inverse if m >= 0 and isinstance(damping, ForceLaw) else damping
         series = float(part.series_stiffness[j]) if m >= 0 else 0.0
-        return core.Direction(
-            linear(part.stiffness[j]), linear(damping), index(part.stiffness[j]), index(law), m, series
-        )
+        numbers = index(part.stiffness[j]), index(law)
+        return core.Direction(linear(part.stiffness[j]), linear(damping), *numbers, m, series, friction(e, j))
 
     elements, (upper_arms, lower_arms) = list(vehicle.elements.values()), suspension.arms
     return core.Vehicle(
@@ -69,7 +71,7 @@ def vehicle_core(suspension: SuspensionArrays, sections: TrackSections, applied:
         radius=vehicle.radius, gravity=vehicle.gravity, release=applied.release,
         kept=-1 if hold is None else vehicle.names.index(hold.body),
         hold=(0.0, 0.0) if hold is None else (hold.stiffness, hold.damping),
-        maxwell=len(coordinates.maxwell),
+        internal=len(coordinates.internal),
     )  # fmt: skip
 
 

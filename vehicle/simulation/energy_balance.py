@@ -12,6 +12,7 @@ from wheelrail.vehicle.simulation.history import History
 
 POWERS = ("contact", "dampers", "gravity", "inertial")
 APPLIED = (*POWERS, "applied")  # with torques and forces
+FRICTION = "friction"  # of elements with sliders, after the others
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,9 @@ class EnergyBalance:
     Parameters:
         time: (n,) s.
         energy: (n,) J, kinetic energy and potential energy of springs.
-        power: (n, 4) W of `POWERS`, or (n, 5) of `APPLIED`; that of dampers is negative.
+        power: (n, p) W of the causes; that of dampers and friction is negative.
+        causes: names (p,).
+        friction: (n,) J, work of friction since the first row; None: there is none.
 
     Spin is measured from nominal rolling, whose half a megajoule would hide the other contributions. Contact forces do
     work on the wheelset, gravity and the inertial forces of the frame on all bodies. The constraint that moves the
@@ -33,20 +36,26 @@ class EnergyBalance:
     time: Array
     energy: Array
     power: Array
+    causes: tuple[str, ...] = POWERS
+    friction: Array | None = None
 
     @cached_property
     def work(self) -> Array:
-        """Work (n, 4) or (n, 5) J of each power since the first row, by a piecewise cubic curve through the samples.
+        """Work (n, p) J of each power since the first row, by a piecewise cubic curve through the samples.
 
         Slopes depend on the next two samples to each side: the kinks of the contact's power where wheels lift and land
-        stay local. H. Akima, Journal of the ACM 17 (1970) 589-602, DOI 10.1145/321607.321609.
+        stay local. H. Akima, Journal of the ACM 17 (1970) 589-602, DOI 10.1145/321607.321609. Work of friction is the
+        sum of force times slip, exact under constant normal force.
         """
         from scipy.interpolate import Akima1DInterpolator
 
         if len(self.time) < 2:
             return np.zeros(self.power.shape)
         integral = Akima1DInterpolator(self.time, self.power).antiderivative()
-        return np.asarray(integral(self.time) - integral(self.time[0]))
+        work = np.asarray(integral(self.time) - integral(self.time[0]))
+        if self.friction is not None:
+            work[:, self.causes.index(FRICTION)] = self.friction
+        return work
 
     @property
     def gap(self) -> Array:
@@ -68,18 +77,28 @@ def energy_balance(history: History) -> EnergyBalance:
         history: rows at all accepted steps.
     """
     dynamics = history.dynamics
-    causes = APPLIED if dynamics.loads else POWERS
+    sliders = bool(dynamics.coordinates.sliders)
+    causes = (*POWERS, *(("applied",) if dynamics.loads else ()), *((FRICTION,) if sliders else ()))
     energy, power = np.empty(len(history)), np.empty((len(history), len(causes)))
     for i, row in enumerate(history.rows):
         wrenches = np.concatenate([row.force, row.moment], axis=2).sum(axis=1)
         kinetic, elastic, *powers = dynamics.bodies.energy_rates(dynamics.speed_profile(row.time), row.state, wrenches)
-        energy[i], power[i] = kinetic + elastic, powers[: len(causes)]
+        found = dict(zip((*APPLIED, FRICTION), powers, strict=True))
+        energy[i], power[i] = kinetic + elastic, [found[cause] for cause in causes]
     if dynamics.structures.elastic:
         stored, supplied, dissipated = _of_structures(history)
         energy += stored
         power[:, 0] += supplied
         power[:, 1] -= dissipated
-    return EnergyBalance(history.time, energy, power)
+    return EnergyBalance(history.time, energy, power, causes, _friction_work(history) if sliders else None)
+
+
+def _friction_work(history: History) -> Array:
+    """Work (n,) J of friction since the first row: mean limits of both rows times what the sliders moved between."""
+    d = history.dynamics
+    limits = np.array([d.bodies.friction_limits(d.speed_profile(row.time), row.state) for row in history.rows])
+    slips = np.abs(np.diff(history.series[:, len(d.coordinates.maxwell) :], axis=0))
+    return np.append(0.0, -np.cumsum((0.5 * (limits[1:] + limits[:-1]) * slips).sum(axis=1)))
 
 
 def _of_structures(history: History) -> Array:

@@ -97,9 +97,11 @@ class TimeRun:
     def between(self, step: Step[VehicleEvaluation], time: float, state: Array) -> tuple[Array, VehicleEvaluation]:
         """State and evaluation at a time s within a step, from the state of its dense output. Raises StepFailure.
 
-        Contacts start from those at the nearer end of the step. Motions of axles and rails are those with their mean
-        rates over the step.
+        Sliders are those of a step that ends there. Contacts start from those at the nearer end of the step. Motions of
+        axles and rails are those with their mean rates over the step.
         """
+        if self.dynamics.settle is not None:
+            state, _ = self.dynamics.settle(step.t0, step.x0, time, state)
         near = step.start if time - step.t0 < step.t - time else step.end
         if not self.dynamics.structures.elastic:
             return state, self.dynamics(time, state, near)
@@ -162,6 +164,7 @@ class TimeRun:
             follow=rail_following(self.dynamics),
             next_end=self._next_end if self.dynamics.drifts else None,
             longest=Excitation(self.dynamics, float(np.min(self.steps.atol)), self.steps.output_tolerance).longest_step,
+            settle=self.dynamics.settle,
         )
         for count, step in enumerate(steps, start=1):
             if self._accept(step):

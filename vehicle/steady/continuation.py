@@ -45,7 +45,8 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
     atol, longest = transient.tolerances(1e-3 * TOLERANCE), RAMP / 4  # which meets the transition
     state, settings = start, StepSettings(ROSENBROCK.name, TOLERANCE, atol, max_step=longest)
     jacobian = VehicleJacobian(transient, StepStatistics())
-    for number, step in enumerate(integrate(transient, 0.0, start, RAMP + DECAY, settings, jacobian=jacobian)):
+    steps = integrate(transient, 0.0, start, RAMP + DECAY, settings, jacobian=jacobian, settle=transient.settle)
+    for number, step in enumerate(steps):
         if number == MOST_STEPS:
             raise StepFailure(
                 f"the transient into the curve is at {step.t:.2f} of {RAMP + DECAY:g} s after {number} steps"

@@ -67,8 +67,9 @@ def equilibrium(
 
     Damped Newton with the contact's tangent or, without one, with differences of the contact. The damping decreases
     with the residual (pseudo-transient continuation), to pass the steep rise of the force at a flange. If the iteration
-    fails from both starts, as between tread and flange, a transient run into the curve gives the initial guess. Raises
-    EquilibriumError, also where the position along the track is undetermined.
+    fails from both starts, as between tread and flange, a transient run into the curve gives the initial guess.
+    Friction of elements is that after motion from the nominal position in one direction. Raises EquilibriumError, also
+    where the position along the track is undetermined.
     """
     if dynamics.vehicle.speed_hold is None and not dynamics.coordinates.held[:, X].any():
         raise EquilibriumError("no equilibrium: without a speed_hold the position along the track is undetermined")
@@ -83,7 +84,8 @@ def equilibrium(
     for number, start in enumerate(starts, start=1):
         contacts = near if number == 1 and guess is not None else None
         try:
-            return _newton(problem, start(), contacts, tolerance, acceptable, max_iterations)
+            found = _newton(problem, start(), contacts, tolerance, acceptable, max_iterations)
+            return replace(found, state=problem.settled(found.state))
         except (StepFailure, StepTooSmall, EquilibriumError) as error:
             if number == len(starts):
                 raise EquilibriumError(f"no equilibrium: {error}") from error

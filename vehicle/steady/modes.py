@@ -68,13 +68,17 @@ def modes(dynamics: VehicleDynamics, at: Equilibrium | None = None, *, time: flo
 
     The contact is linearised by its tangent, creep forces included, or by central differences. Motions of which no
     force depends on the coordinates, as of the wheelsets' angles of rolling, are left out, and so is the decay of
-    motions of axle and rails that hardly moves the bodies. Raises EquilibriumError, and StepFailure where a contact
+    motions of axle and rails that hardly moves the bodies. Friction of elements sticks: what remains is the spring in
+    series with each slider. Raises EquilibriumError, and StepFailure where a contact
     solve fails.
     """
     solution = at or equilibrium(dynamics, time=time)
     linearise = VehicleJacobian(solution.dynamics, StepStatistics(), central=True)
     evaluation = VehicleEvaluation(np.zeros_like(solution.state), solution.contacts)
-    matrix = linearise(solution.time, solution.state, evaluation).by_state
+    state, d = solution.state, solution.dynamics
+    if d.settle is not None:
+        state = d.bodies.stuck(d.speed_profile(solution.time), state)
+    matrix = linearise(solution.time, state, evaluation).by_state
     return _modes_of(solution.dynamics, matrix, fixed=np.empty(0, dtype=np.int64))
 
 
@@ -99,7 +103,8 @@ def _modes_of(dynamics: VehicleDynamics, matrix: Array, *, fixed: NDArray[np.int
     """Modes of the first-order system with some coordinates (and their rates) fixed."""
     coordinates, c, m = dynamics.coordinates, dynamics.coordinates.count, dynamics.coordinates.size
     rolling = np.setdiff1d(coordinates.rolling_angles, fixed)
-    free = np.setdiff1d(np.arange(len(matrix)), np.concatenate([fixed, c + fixed, rolling]))
+    still = np.concatenate([fixed, c + fixed, rolling, coordinates.slider_components])
+    free = np.setdiff1d(np.arange(len(matrix)), still)
     values, vectors = np.linalg.eig(matrix[np.ix_(free, free)])
     shapes = np.zeros((len(matrix), len(values)), dtype=complex)
     shapes[free] = vectors

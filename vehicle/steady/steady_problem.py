@@ -66,10 +66,16 @@ class SteadyProblem:
         return np.concatenate([indices, np.arange(coordinates.size, self.dynamics.size)])
 
     def at_rest(self, state: Array) -> Array:
-        """The state with its unknowns only: without rates but the spins, springs of Maxwell elements unloaded."""
+        """The state with its unknowns only: no rates but the spins, internal variables of elements zero."""
         result = np.zeros_like(state)
         result[self.unknowns] = state[self.unknowns]
         return result
+
+    def settled(self, state: Array) -> Array:
+        """The state with sliders of friction where motion from the nominal position in one direction draws them."""
+        if self.dynamics.settle is None:
+            return state
+        return self.dynamics.settle(self.time, state, self.time, state)[0]
 
     @cached_property
     def largest(self) -> Array:

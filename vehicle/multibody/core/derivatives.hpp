@@ -69,8 +69,8 @@ class WrenchSlopes {
     std::vector<double> series;
 };
 
-// Derivatives of the accelerations (6 n + m,) by states (12 n + m,) and by time along the reference motion. Also of
-// each body's acceleration by force and moment of its contacts.
+// Derivatives of the accelerations (6 n + m,) by states (12 n + m,), of which sliders stay in place, and by time along
+// the reference motion. Also of each body's acceleration by force and moment of its contacts.
 struct VehicleDerivatives {
     static constexpr int OWN = Vehicle::OWN, TIME = Vehicle::TIME, PAIR = Vehicle::PAIR;
     using One = Dual<OWN>;
@@ -92,7 +92,7 @@ struct VehicleDerivatives {
         std::vector<BodyState<One>> all;
         all.reserve(n);
         for (int i = 0; i < n; ++i) all.push_back(vehicle.body_state<One>(i, travel, rates, state));
-        WrenchSlopes total(n, vehicle.maxwell);
+        WrenchSlopes total(n, vehicle.internal);
         vehicle.suspension<Two>(
             state, [&](int i, int end) { return widened<Vehicle::WITH_SERIES>(all[i].motion, OWN * end); },
             [&](int u, int l, const auto& force, const auto& on_upper, const auto& on_lower) {
@@ -164,7 +164,7 @@ struct VehicleDerivatives {
             for (int j = 0; j < n; ++j)
                 if (total.couples(i, j))
                     for (int d = 0; d < OWN; ++d) slope(row, j, d) += total.by_motion(by_load, i, j, d);
-            for (int k = 0; k < vehicle.maxwell; ++k)
+            for (int k = 0; k < vehicle.internal; ++k)
                 by_state[std::size_t(row) * wide + 12 * n + k] += total.by_series(by_load, i, k);
             for (int c = 0; c < 6; ++c) {
                 const double* part = by_load + 3 * (c / 3);

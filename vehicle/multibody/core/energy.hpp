@@ -1,5 +1,6 @@
 // Energy of the bodies and the powers of its change, relative to the frames of the track at their own distances.
 #pragma once
+#include <algorithm>
 #include <tuple>
 
 #include "vehicle/multibody/core/vehicle.hpp"
@@ -7,9 +8,10 @@
 namespace wr {
 
 // Kinetic energy J of the motion in the frames, and that of springs and static loads, zero in the nominal position;
-// powers W of contacts, dampers, weight, the accelerations of the frames, and applied loads.
+// powers W of contacts, dampers, weight, the accelerations of the frames, applied loads, and friction.
 struct EnergyRates {
-    double kinetic = 0.0, elastic = 0.0, contacts = 0.0, dampers = 0.0, weight = 0.0, inertial = 0.0, applied = 0.0;
+    double kinetic = 0.0, elastic = 0.0, contacts = 0.0, dampers = 0.0, weight = 0.0, inertial = 0.0, applied = 0.0,
+           friction = 0.0;
 };
 
 inline void add_direction(const Vehicle& vehicle, const Direction& d, double x, double rate, double series,
@@ -23,16 +25,27 @@ inline void add_direction(const Vehicle& vehicle, const Direction& d, double x, 
     }
 }
 
+inline void add_friction(const Friction& f, double x, double rate, double slider, double limit, EnergyRates& sum) {
+    if (f.slider < 0) return;
+    double spring = f.stiffness * (x - slider), force = std::min(std::abs(spring), limit);
+    sum.elastic += 0.5 * force * force / f.stiffness;
+    if (slides(spring, limit, rate)) sum.friction -= force * std::abs(rate);
+}
+
 inline void add_suspension(const Vehicle& vehicle, const std::vector<BodyState<double>>& all, const double* state,
                            EnergyRates& sum) {
     for (const auto& e : vehicle.elements) {
         const auto &upper = all[e.upper].motion, &lower = all[e.lower].motion;
-        auto series = vehicle.series_of<double>(e, state);
-        auto s = element_state(e, vehicle.laws, upper, lower, vehicle.bodies[e.lower].wheelset, series);
+        auto internal = vehicle.internal_of<double>(e, state);
+        auto s = element_state(e, vehicle.laws, upper, lower, vehicle.bodies[e.lower].wheelset, internal);
+        const auto& [series, slider] = internal;
         const auto& [x, rate, turning] = std::tie(s.deflection, s.deflection_rate, s.series_rate);
         add_direction(vehicle, e.directions[0], x.x, rate.x, series.x, turning.x, sum);
         add_direction(vehicle, e.directions[1], x.y, rate.y, series.y, turning.y, sum);
         add_direction(vehicle, e.directions[2], x.z, rate.z, series.z, turning.z, sum);
+        add_friction(e.directions[0].friction, x.x, rate.x, slider.x, s.friction_limit.x, sum);
+        add_friction(e.directions[1].friction, x.y, rate.y, slider.y, s.friction_limit.y, sum);
+        add_friction(e.directions[2].friction, x.z, rate.z, slider.z, s.friction_limit.z, sum);
         sum.elastic -= e.static_load * x.z;
     }
     for (const auto& spring : vehicle.springs) {

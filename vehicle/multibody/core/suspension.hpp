@@ -36,12 +36,22 @@ struct Law {
     }
 };
 
+// Slider in series with a spring, which it bounds to a force. Sliders stay where they are within a step; see
+// slider.hpp.
+struct Friction {
+    int slider;        // number of the internal variable, the deflection m at which the spring is unloaded; -1: none
+    double stiffness;  // N/m
+    double limit;      // N
+    double share;      // of the vertical spring force of the element, in addition
+};
+
 // Spring and damper along an axis of an element; in series with a spring the damper is a Maxwell element.
 struct Direction {
     double spring, damper;       // N/m and N s/m; 0 where there is a law
     int spring_law, damper_law;  // -1: none; of a Maxwell element the law of velocity over force
     int series;                  // number of the Maxwell element; -1: none
     double series_stiffness;     // N/m
+    Friction friction;
 };
 
 struct Element {
@@ -57,13 +67,40 @@ struct RotationalSpring {
     Vec<double> stiffness;  // N m/rad
 };
 
+// Internal variables of an element by direction: spring deflections m of Maxwell elements, and places m of sliders.
+template <class T>
+struct Internal {
+    Vec<T> series;
+    Vec<double> slider;
+};
+
 // An element in motion: deflection m, its rate m/s and the force N on the upper body in its own axes, with the rates
-// m/s of its Maxwell elements' springs; force N on the upper body and moments N m about both bodies' centres in common
-// axes.
+// m/s of its Maxwell elements' springs and the largest friction N; force N on the upper body and moments N m about both
+// bodies' centres in common axes.
 template <class T>
 struct ElementState {
-    Vec<T> deflection, deflection_rate, own_force, series_rate, force, on_upper, on_lower;
+    Vec<T> deflection, deflection_rate, own_force, series_rate, friction_limit, force, on_upper, on_lower;
 };
+
+// Largest friction N of a direction under a vertical spring force N.
+template <class T>
+T friction_limit(const Friction& f, const T& load) {
+    return value(load) > 0.0 ? f.limit + f.share * load : T(f.limit);
+}
+
+// Whether a slider is drawn along by its spring: beyond the limit or, within its last digits, in motion away from it.
+inline bool slides(double spring, double limit, double rate) {
+    double excess = std::abs(spring) - limit, edge = 1e-8 * limit;
+    return excess > edge || (excess > -edge && spring * rate > 0.0);
+}
+
+// Force N of a spring in series with a slider at a deflection m and its rate m/s.
+template <class T>
+T friction_force(const Friction& f, const T& x, const T& rate, double slider, const T& limit) {
+    T spring = f.stiffness * (x - slider);
+    if (!slides(value(spring), value(limit), value(rate))) return -spring;
+    return value(spring) > 0.0 ? -limit : limit;
+}
 
 template <class T>
 T direction_force(const Direction& d, const std::vector<Law>& laws, const T& x, const T& rate, const T& series,
@@ -77,9 +114,27 @@ T direction_force(const Direction& d, const std::vector<Law>& laws, const T& x, 
     return force - tension;
 }
 
+// Adds the forces of sliders; those that depend on the vertical spring force, by its present value.
+template <class T>
+void add_friction(const Element& e, const std::vector<Law>& laws, const Vec<double>& slider, ElementState<T>& s) {
+    const auto& d = e.directions;
+    if (d[0].friction.slider < 0 && d[1].friction.slider < 0 && d[2].friction.slider < 0) return;
+    T load = e.static_load - d[2].spring * s.deflection.z;
+    if (d[2].spring_law >= 0) load -= laws[d[2].spring_law](s.deflection.z);
+    auto add = [&](int j, const T& x, const T& rate, double place, T& limit, T& force) {
+        if (d[j].friction.slider < 0) return;
+        limit = friction_limit(d[j].friction, load);
+        force += friction_force(d[j].friction, x, rate, place, limit);
+    };
+    const auto &x = s.deflection, &rate = s.deflection_rate;
+    add(0, x.x, rate.x, slider.x, s.friction_limit.x, s.own_force.x);
+    add(1, x.y, rate.y, slider.y, s.friction_limit.y, s.own_force.y);
+    add(2, x.z, rate.z, slider.z, s.friction_limit.z, s.own_force.z);
+}
+
 template <class T>
 ElementState<T> element_state(const Element& e, const std::vector<Law>& laws, const Motion<T>& upper,
-                              const Motion<T>& lower, bool wheelset, const Vec<T>& series) {
+                              const Motion<T>& lower, bool wheelset, const Internal<T>& internal) {
     auto on_upper = upper.axes * e.upper_arm, on_lower = lower.axes * e.lower_arm;
     auto place = lower.position + on_lower, gap = upper.position + on_upper - place;
     auto gap_rate = upper.velocity + cross(upper.rate, on_upper) - (lower.velocity + cross(lower.rate, on_lower));
@@ -89,10 +144,12 @@ ElementState<T> element_state(const Element& e, const std::vector<Law>& laws, co
                     : lower.axes * rotation_matrix(e.turn * rotation_vector(relative(lower.axes, upper.axes)));
     auto axes_rate = (1.0 - e.turn) * lower.rate + e.turn * upper.rate;
     auto x = back(axes, gap), rate = back(axes, gap_rate - cross(axes_rate, gap));
-    ElementState<T> s{x, rate, {}, {}, {}, {}, {}};
+    const auto& series = internal.series;
+    ElementState<T> s{x, rate, {}, {}, {}, {}, {}, {}};
     s.own_force = {direction_force(e.directions[0], laws, x.x, rate.x, series.x, s.series_rate.x),
                    direction_force(e.directions[1], laws, x.y, rate.y, series.y, s.series_rate.y),
                    direction_force(e.directions[2], laws, x.z, rate.z, series.z, s.series_rate.z) + e.static_load};
+    add_friction(e, laws, internal.slider, s);
     s.force = axes * s.own_force;
     auto point = place + (1.0 - e.turn) * gap;
     s.on_upper = cross(point - upper.position, s.force), s.on_lower = cross(point - lower.position, s.force);

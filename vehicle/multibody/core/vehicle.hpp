@@ -29,11 +29,11 @@ struct Vehicle {
     double radius, gravity, release;  // nominal, m; m/s2; rad/s, see `axle_torque`
     int kept;                         // body whose place the speed hold keeps; -1: none
     double hold_stiffness, hold_damping;
-    int maxwell;  // number of Maxwell elements
+    int internal;  // number of internal variables of elements
 
     int count() const { return int(bodies.size()); }
-    int accelerated() const { return 6 * count() + maxwell; }
-    int states() const { return 12 * count() + maxwell; }
+    int accelerated() const { return 6 * count() + internal; }
+    int states() const { return 12 * count() + internal; }
 
     // Distance m of the common axes: that of the reference motion, from which a vehicle that runs free drifts far away,
     // to the nearest 100 m.
@@ -77,14 +77,19 @@ struct Vehicle {
         return at;
     }
 
-    // Spring deflections m of the Maxwell elements of an element.
+    // Internal variables of an element.
     template <class T>
-    Vec<T> series_of(const Element& e, const double* state) const {
-        auto one = [&](int j) {
+    Internal<T> internal_of(const Element& e, const double* state) const {
+        const double* own = state + 12 * count();
+        auto series = [&](int j) {
             int m = e.directions[j].series;
-            return m < 0 ? T(0.0) : variable<T>(state[12 * count() + m], PAIR + j);
+            return m < 0 ? T(0.0) : variable<T>(own[m], PAIR + j);
         };
-        return {one(0), one(1), one(2)};
+        auto slider = [&](int j) {
+            int m = e.directions[j].friction.slider;
+            return m < 0 ? 0.0 : own[m];
+        };
+        return {{series(0), series(1), series(2)}, {slider(0), slider(1), slider(2)}};
     }
 
     // Calls `act(upper, lower, force, on_upper, on_lower)` for forces and moments between two bodies in common axes,
@@ -99,7 +104,7 @@ struct Vehicle {
             for (int e : pair) {
                 if (e < 0) continue;
                 auto s = element_state(elements[e], laws, upper, lower, bodies[l].wheelset,
-                                       series_of<T>(elements[e], state));
+                                       internal_of<T>(elements[e], state));
                 force = force + s.force, on_upper = on_upper + s.on_upper, on_lower = on_lower + s.on_lower;
                 each(elements[e], s);
             }
@@ -159,8 +164,8 @@ struct Vehicle {
         return own;
     }
 
-    // Forces and moments of suspension and loads on the bodies, in common axes; fills rates (m,) m/s of the springs of
-    // Maxwell elements.
+    // Forces and moments of suspension and loads on the bodies, in common axes; fills rates (m,) of the internal
+    // variables of elements, of which sliders have none.
     std::vector<Wrench<double>> wrenches(const std::vector<BodyState<double>>& all, const double* state,
                                          double* series_rates) const {
         std::vector<Wrench<double>> total(all.size());
@@ -175,8 +180,8 @@ struct Vehicle {
         return total;
     }
 
-    // Accelerations (6 n,) of the coordinates less nominal ones, then the rates (m,) m/s of the springs of Maxwell
-    // elements. In place of those of held coordinates, which are zero, stand the generalised forces of their
+    // Accelerations (6 n,) of the coordinates less nominal ones, then the rates (m,) of the internal variables
+    // of elements. In place of those of held coordinates, which are zero, stand the generalised forces of their
     // constraints. Parameters: state (12 n + m,), sections (n, 6, 3), contacts (n, 2, 3) in the bodies' track frames.
     void accelerations(const Travel<double>& travel, const double* state, const double* sections,
                        const double* contacts, double* results) const {

@@ -31,6 +31,9 @@ LawPoints = Annotated[tuple[LawPoint, ...], Strict(False), Field(min_length=2), 
 Stiffness = Annotated[q.Finite, q.Range(0.0, 1e11, "N/m", "or points [m, N]")]
 Damping = Annotated[q.Finite, q.Range(0.0, 1e9, "N s/m", "or points [m/s, N]")]
 Series = Annotated[float, Strict(), AllowInfNan(True), q.Range(1e3, inf, "N/m, in series with the damper; inf is none")]
+Friction = Annotated[q.Finite, q.Range(0.0, 1e7, "N, at which a slider moves")]
+FrictionCoefficient = Annotated[q.Finite, q.Range(0.0, 10.0, "of the vertical spring force, in addition to friction")]
+FrictionStiffness = Annotated[q.Finite, q.Range(0.0, 1e11, "N/m, in series with the slider")]
 Rotational = Annotated[q.Finite, q.Range(0.0, 1e10, "N m/rad")]
 
 
@@ -69,6 +72,15 @@ class ElementTable(SceneTable):
     )
     series_stiffness: Annotated[tuple[Series, Series, Series], Strict(False)] = (inf, inf, inf)
     turn: q.Share = 0.0
+    friction: Annotated[tuple[Friction, Friction, Friction], Strict(False)] = (0.0, 0.0, 0.0)
+    friction_coefficient: Annotated[
+        tuple[FrictionCoefficient, FrictionCoefficient, FrictionCoefficient], Strict(False)
+    ] = (0.0, 0.0, 0.0)
+    friction_stiffness: Annotated[tuple[FrictionStiffness, FrictionStiffness, FrictionStiffness], Strict(False)] = (
+        0.0,
+        0.0,
+        0.0,
+    )
 
 
 class RotationalSpringTable(SceneTable):
@@ -185,12 +197,8 @@ def _elements(name: str, entry: ElementTable) -> dict[str, SuspensionElement]:
     names = [name] if len(entry.points) == 1 else [f"{name}_{i}" for i in range(1, len(entry.points) + 1)]
     stiffness = _laws(f"elements.{name}.stiffness", entry.stiffness)
     damping = _laws(f"elements.{name}.damping", entry.damping)
-    return {
-        each: SuspensionElement(
-            entry.upper, entry.lower, point, stiffness, damping, entry.series_stiffness, turn=entry.turn
-        )
-        for each, point in zip(names, entry.points, strict=True)
-    }
+    values = entry.model_dump(exclude={"points"}) | {"stiffness": stiffness, "damping": damping}
+    return {each: SuspensionElement(point=point, **values) for each, point in zip(names, entry.points, strict=True)}
 
 
 def _laws(key: str, values: tuple[float | tuple[tuple[float, float], ...], ...]) -> Laws:

@@ -10,7 +10,7 @@ from wheelrail.contact.stress.shakedown import load_factor, surface_fatigue_inde
 from wheelrail.scenes.quantities import RUN
 from wheelrail.scenes.quantity import filled
 from wheelrail.vehicle.multibody.wheel_forces import OUTWARDS
-from wheelrail.vehicle.simulation.energy_balance import APPLIED, energy_balance
+from wheelrail.vehicle.simulation.energy_balance import energy_balance
 
 if TYPE_CHECKING:
     from xarray import Dataset, Variable
@@ -30,7 +30,7 @@ def with_energy(data: Dataset, history: History) -> Dataset:
         "mechanical_energy": balance.energy,
         "power": balance.power,
         "work": balance.work,
-        "cause": list(APPLIED[: balance.power.shape[1]]),
+        "cause": list(balance.causes),
     }
     return data.assign(filled(RUN, values)).assign_attrs(energy_balance_error=balance.error)
 
