@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -20,9 +21,11 @@ from wheelrail.vehicle.loads import AppliedLoads, BodyForce, LoadTable
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SuspensionElement, Vehicle, VehicleBody
+from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.steady.modes import held_wheelset_modes, modes
 from wheelrail.vehicle.track.track import Track
@@ -222,6 +225,23 @@ def test_mirror_image_of_a_vehicle_with_friction() -> None:
     np.testing.assert_array_equal(right.time, left.time)
     np.testing.assert_array_equal(right.state, mirror_signs(left.dynamics.coordinates) * left.state)
     assert (np.abs(left.series[-1]) > 1e-5).sum() > 4  # sliders that moved
+
+
+@pytest.mark.parametrize("method", ["rosenbrock", "ode45"])
+def test_a_resumed_run_has_the_same_bits(method: str) -> None:
+    track = Track.curve(curvature=1 / 400, cant=0.06, transition=15.0, length=50.0)
+    dynamics, found = VehicleDynamics(with_friction(), track, LinearCreep(), 30.0), list[Checkpoint]()
+    every = Checkpoints(5, lambda at: found.append(deepcopy(at)))
+
+    def rows(checkpoints: Checkpoints) -> History:
+        end = 0.6 if method == "rosenbrock" else 0.05
+        recording = Recording(0.01, checkpoints)
+        return simulate(dynamics, (0.0, end), steps=StepSettings(method, 3e-3, 3e-5), recording=recording)
+
+    whole = rows(every)
+    again = rows(replace(every, latest=found[len(found) // 2]))
+    np.testing.assert_array_equal(again.state, whole.state)
+    assert np.abs(whole.series[-1]).max() > (1e-5 if method == "rosenbrock" else 0.0)
 
 
 def test_energy_of_a_wagon_with_friction() -> None:

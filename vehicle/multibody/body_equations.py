@@ -34,8 +34,8 @@ class Accelerations(NamedTuple):
 
 
 class BodyDerivatives(NamedTuple):
-    """Derivatives of the accelerations (c,) of the coordinates and the rates (m,) of the components for the internal
-    variables of elements; those by sliders, which stay where they are within a step, are zero.
+    """Derivatives of the accelerations (c,) of the coordinates and the rates (m,) of the components for internal
+    variables. Sliders stay where they are within a step: derivatives by their places are zero.
 
     Parameters:
         by_state: (c + m, 2 c + m).
@@ -134,8 +134,9 @@ class BodyEquations:
         return found
 
     def settled(self, travels: tuple[TrackPosition, TrackPosition], states: tuple[Array, Array]) -> tuple[Array, Array]:
-        """State (2 c + m + k,) at the end of a step whose sliders have been drawn along by the motion, and distances m
-        (2 c + m + k,) by which they would be wrong had no deflection turned back within the step.
+        """State (2 c + m + k,) at the end of a step with its sliders drawn along, and errors m of the sliders.
+
+        Errors (2 c + m + k,) are those of stages, in which deflections that turn back do not draw sliders along.
 
         Parameters:
             travels: reference motion along the track at the start and the end.

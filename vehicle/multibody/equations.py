@@ -219,7 +219,7 @@ class VehicleDynamics:
         return self._settled if self.coordinates.sliders else None
 
     def _settled(self, t0: float, x0: Array, t: float, x: Array) -> tuple[Array, Array]:
-        """State (2 c + m + k,) at the end of a step with its sliders where they are then, and their errors m."""
+        """State (2 c + m + k,) at the end of a step with its sliders drawn along, and errors m of the sliders."""
         return self.bodies.settled((self.speed_profile(t0), self.speed_profile(t)), (x0, x))
 
     def distances(self, travel: TrackPosition, state: Array) -> Array:

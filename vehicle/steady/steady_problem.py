@@ -72,7 +72,7 @@ class SteadyProblem:
         return result
 
     def settled(self, state: Array) -> Array:
-        """The state with sliders of friction where motion from the nominal position in one direction draws them."""
+        """The state with sliders of friction after motion in one direction from the nominal position."""
         if self.dynamics.settle is None:
             return state
         return self.dynamics.settle(self.time, state, self.time, state)[0]
