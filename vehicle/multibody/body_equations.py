@@ -134,9 +134,9 @@ class BodyEquations:
         return found
 
     def settled(self, travels: tuple[TrackPosition, TrackPosition], states: tuple[Array, Array]) -> tuple[Array, Array]:
-        """State (2 c + m + k,) at the end of a step with its sliders drawn along, and errors m of the sliders.
+        """State at the end of a step with its sliders drawn along, and errors m of the sliders, (2 c + m + k,) each.
 
-        Errors (2 c + m + k,) are those of stages, in which deflections that turn back do not draw sliders along.
+        Errors are those of stages, in which deflections that turn back do not draw sliders along.
 
         Parameters:
             travels: reference motion along the track at the start and the end.
@@ -168,8 +168,9 @@ class BodyEquations:
         return self.core.load_values(travel, whole, self.core.sections(travel.distance, whole))
 
     def energy_rates(self, travel: TrackPosition, state: Array, wrenches: Array) -> tuple[float, ...]:
-        """Kinetic and elastic energy J in the moving track frames, and powers W of contacts, dampers, gravity, inertial
-        forces of the frames, applied loads and friction; parameters as for `accelerations`.
+        """Kinetic and elastic energy J in the moving track frames, and powers W; parameters as for `accelerations`.
+
+        Powers are those of contacts, dampers, gravity, inertial forces of the frames, applied loads, and friction.
         """
         whole = self._all(state)
         at = self.core.sections(travel.distance, whole)
