@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, sin
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 
 from wheelrail.bindings._contact import left_pairs
 from wheelrail.contact.kinematics.copies import changed
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.left_pair import motion_of, pose_of
 from wheelrail.support.arrays import Array
 
 RailShift = tuple[tuple[float, float], tuple[float, float]]
 NO_SHIFT: RailShift = ((0.0, 0.0), (0.0, 0.0))
+T = TypeVar("T", bound="WheelsetState")
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class WheelsetState:
             curve.
         rail_shift: m, displacement (y, z) of the left and the right rail by irregularities; None: none.
         wheelset: its name in the vehicle, by which contacts may differ.
+        twist_rate: rad/s, half the spin of the left wheel less that of the right one; `pitch_rate` is their mean.
 
     Irregularities displace the profile that the wheel meets, not the material, which is at rest in inertial space. As
     the vehicle moves, the displacement changes by V d, d its slope along the track. The profile approaches the wheel at
@@ -60,6 +62,14 @@ class WheelsetState:
     frame_rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rail_shift: RailShift | None = None
     wheelset: str = ""
+    twist_rate: float = 0.0
+
+    def turning_as(self: T, side: Side) -> T:
+        """The state of a rigid wheelset with the spin of the wheel of one side."""
+        if self.twist_rate == 0.0:
+            return self
+        twist = self.twist_rate if side == "left" else -self.twist_rate
+        return changed(self, pitch_rate=self.pitch_rate + twist, twist_rate=0.0)
 
     def mirrored(self) -> WheelsetState:
         """The state in the mirror y = 0."""
@@ -73,6 +83,7 @@ class WheelsetState:
             roll_rate=-self.roll_rate,
             yaw_rate=-self.yaw_rate,
             frame_rate=(-wx, wy, -wz),
+            twist_rate=-self.twist_rate,
             rail_shift=shift and ((-shift[1][0], shift[1][1]), (-shift[0][0], shift[0][1])),
         )
 

@@ -140,6 +140,18 @@ class WrappedContact(VehicleContact):
         return self.contact.guess(side, warm_start)
 
 
+class IndependentWheels(WrappedContact):
+    """Contact model of wheelsets whose wheels turn by themselves: each side has the spin of its own wheel."""
+
+    def solve_side(
+        self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
+    ) -> list[ContactResult]:
+        return self.contact.solve_side([state.turning_as(side) for state in states], side, guesses)
+
+    def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
+        return self.contact.side_tangents([state.turning_as(side) for state in states], side, results)
+
+
 @dataclass(frozen=True)
 class ContactsByWheelset(VehicleContact):
     """Contact models of the wheelsets of a vehicle; each state has that of its own wheelset.

@@ -35,6 +35,8 @@ class AppliedForces:
         vehicle = self.coordinates.vehicle
         for k, torque in enumerate(self.loads.torques):
             _check_torque(f"torque.{k}", vehicle, torque.wheelset, torque.reaction)
+            if torque.brake and torque.wheelset in vehicle.independent:
+                raise InvalidVehicle(f"torque.{k}.wheelset", "must have a rigid axle, on which a friction brake acts")
             if torque.brake and self.loads.tables[k].least < 0.0:
                 raise InvalidVehicle(f"torque.{k}.torque", "of a friction brake must not be negative")
         for k, force in enumerate(self.loads.forces):

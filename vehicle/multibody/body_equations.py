@@ -94,7 +94,7 @@ class BodyEquations:
 
     def derivatives(self, travel: TrackPosition, jerk: float, state: Array, wrenches: Array) -> BodyDerivatives:
         """Exact derivatives; jerk m/s3 of the reference motion, other parameters as for `accelerations`."""
-        coordinates, count = self.coordinates, self.coordinates.count
+        coordinates, count = self.coordinates, len(self.coordinates.free)
         rates = travel.speed, travel.acceleration, jerk, 1.0
         found = self.core.derivatives(travel, rates, self._all(state), self._contact(wrenches))
         by_state, by_time = found[0][self._rows[:, None], coordinates.within_all], found[1][self._rows]
@@ -179,13 +179,14 @@ class BodyEquations:
     @cached_property
     def _rows(self) -> NDArray[np.int64]:
         """Indices (c + m,) of free coordinates and internal variables among all."""
-        return self.coordinates.within_all[self.coordinates.count :] - self.coordinates.held.size
+        return self.coordinates.within_all[len(self.coordinates.free) :] - self.coordinates.held.size
 
     def _in_components(self, rates: Array) -> Array:
         """Rates (..., c + m) with those of internal variables as components of the state."""
         if self.coordinates.internal:
-            springs = rates[..., self.coordinates.count :]
-            rates[..., self.coordinates.count :] = springs @ self.coordinates.from_series.T
+            count = len(self.coordinates.free)
+            springs = rates[..., count:]
+            rates[..., count:] = springs @ self.coordinates.from_series.T
         return rates
 
     def _all(self, state: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
@@ -36,8 +36,8 @@ class VehicleState(NamedTuple):
 
 @dataclass(frozen=True)
 class Coordinates:
-    """Order of the state (2 c + m,) of a vehicle of n bodies: c free ones of 6 n coordinates, their rates, m components
-    for the internal variables of elements.
+    """Order of the state (2 c + m,) of a vehicle of n bodies: c coordinates, their rates, m components for the internal
+    variables of elements. The coordinates are the free ones of 6 n, then the twists of wheelsets with independent wheels.
 
     Parameters:
         vehicle: the bodies and elements.
@@ -52,7 +52,8 @@ class Coordinates:
     def names(self) -> tuple[str, ...]:
         """Names (c,) such as "front_bogie_yaw"."""
         names = [f"{body}_{coordinate}" for body in self.vehicle.names for coordinate in COORDINATES]
-        return tuple(names[i] for i in self.free.tolist())
+        twists = (f"{wheelset}_twist" for wheelset in self.vehicle.independent)
+        return (*(names[i] for i in self.free.tolist()), *twists)
 
     @cached_property
     def held(self) -> NDArray[np.int64]:
@@ -67,12 +68,22 @@ class Coordinates:
 
     @cached_property
     def free(self) -> NDArray[np.int64]:
-        """Indices (c,) of the free ones among the 6 n coordinates, body by body."""
+        """Indices of the free ones among the 6 n coordinates, body by body."""
         return np.flatnonzero(self.held == 0)
 
     @cached_property
     def count(self) -> int:
-        return len(self.free)
+        return len(self.free) + len(self.vehicle.independent)
+
+    @property
+    def twists(self) -> slice:
+        """Places in the state of the twists: half the angle of the left wheel less that of the right one."""
+        return slice(len(self.free), self.count)
+
+    @property
+    def twist_rates(self) -> slice:
+        """Places in the state of their rates."""
+        return slice(self.count + len(self.free), 2 * self.count)
 
     @cached_property
     def maxwell(self) -> tuple[tuple[int, int], ...]:
@@ -124,13 +135,23 @@ class Coordinates:
 
     @cached_property
     def within_all(self) -> NDArray[np.int64]:
-        """Indices (2 c + m,) of the state among 6 n coordinates, their rates, and internal variables."""
+        """Indices of the parts of a state but its twists among 6 n coordinates, their rates, and internal variables."""
         total = self.held.size
         return np.concatenate([self.free, total + self.free, 2 * total + np.arange(len(self.internal))])
+
+    @cached_property
+    def of_bodies(self) -> NDArray[np.int64]:
+        """Indices in the state of its parts but twists and their rates."""
+        return np.delete(np.arange(self.size), np.r_[self.twists, self.twist_rates])
 
     def index(self, body: str, coordinate: int) -> int:
         """Index of a free coordinate in the state; that of its rate is larger by `count`. Raises KeyError."""
         return self._indices[6 * self.vehicle.names.index(body) + coordinate]
+
+    def free_indices(self, body: str, coordinates: Iterable[int]) -> dict[int, int]:
+        """Indices in the state of the free ones of some coordinates of a body."""
+        first = 6 * self.vehicle.names.index(body)
+        return {k: self._indices[first + k] for k in coordinates if first + k in self._indices}
 
     @cached_property
     def _indices(self) -> dict[int, int]:
@@ -147,6 +168,13 @@ class Coordinates:
         """Indices in the state of the wheelsets' free pitch, on which no force depends."""
         return np.flatnonzero(np.isin(self.free, 6 * self.wheelset_bodies + PITCH))
 
+    @cached_property
+    def forceless(self) -> NDArray[np.int64]:
+        """Indices in the state of the angles on which no force depends: of rolling, and twists without a spring."""
+        bodies, first = self.vehicle.bodies, self.twists.start
+        twists = [first + i for i, name in enumerate(self.vehicle.independent) if bodies[name].torsion[0] == 0.0]
+        return np.array([*self.rolling_angles, *twists], dtype=np.int64)
+
     def of_body(self, index: int) -> NDArray[np.int64]:
         """Indices in the state of the free coordinates of a body."""
         return np.flatnonzero(self.free // 6 == index)
@@ -155,7 +183,8 @@ class Coordinates:
     def inertia(self) -> Array:
         """(c,) mass kg or moment of inertia kg m2 of each coordinate."""
         rows = [(b.mass, b.mass, b.mass, *b.inertia) for b in self.vehicle.bodies.values()]
-        return np.ravel(rows)[self.free]
+        twists = [self.vehicle.bodies[name].inertia[1] for name in self.vehicle.independent]
+        return np.concatenate([np.ravel(rows)[self.free], twists])
 
     def split(self, state: Array) -> VehicleState:
         """Parts of states (..., 2 c + m), to which further components may be appended."""
@@ -170,7 +199,7 @@ class Coordinates:
         (..., 2 c + m); further components are left out.
         """
         full = np.zeros((*state.shape[:-1], 2 * self.held.size + len(self.internal)), state.dtype)
-        full[..., self.within_all] = state[..., : self.size]
+        full[..., self.within_all] = state[..., self.of_bodies]
         if self.internal:
             full[..., 2 * self.held.size :] = state[..., 2 * self.count : self.size] @ self.series.T
         return full
@@ -178,9 +207,9 @@ class Coordinates:
     def tolerances(self, atol: float) -> Array:
         """Absolute tolerances (2 c + m,) for implicit steps: atol in m and rad, 100 atol in m/s and rad/s.
 
-        The angles of rolling, on which no force depends, have no tolerance of their own.
+        Angles on which no force depends, as those of rolling, have no tolerance of their own.
         """
         result = np.full(self.size, float(atol))
         result[self.count : 2 * self.count] *= RATE_SCALE
-        result[self.rolling_angles] = 1e6
+        result[self.forceless] = 1e6
         return result

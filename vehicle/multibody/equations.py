@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.contact.element.contact_element import ContactElement
+from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import RailShift, WheelsetState
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.results.vehicle_contact import ContactsByWheelset, VehicleContact
+from wheelrail.contact.results.vehicle_contact import ContactsByWheelset, IndependentWheels, VehicleContact
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import Settle, StepFailure
 from wheelrail.vehicle.loads.applied_loads import AppliedLoads
@@ -23,6 +24,7 @@ from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquati
 from wheelrail.vehicle.multibody.coordinates import PITCH, RATE_SCALE, ROLL, YAW, Coordinates, X, Y, Z
 from wheelrail.vehicle.multibody.structures import Structures
 from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
+from wheelrail.vehicle.multibody.twists import Twists
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
 from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.speed_profile import SpeedProfile, TrackPosition
@@ -105,6 +107,11 @@ class VehicleDynamics:
         return BodyEquations(self.suspension, TrackSections(self.track), self.applied)
 
     @cached_property
+    def twists(self) -> Twists:
+        """Equations of wheelsets whose wheels turn by themselves."""
+        return Twists(self.coordinates)
+
+    @cached_property
     def structures(self) -> Structures:
         """Axle and track of each wheelset."""
         return Structures.of(self.structure, len(self.vehicle.wheelsets))
@@ -128,10 +135,9 @@ class VehicleDynamics:
         """Components (2 c + m + k,) of a state that contain the distance from the reference motion: x of all bodies,
         the wheelsets' angles of rolling, and their rates.
         """
-        along = self.coordinates.free % 6 == X
-        along[self.coordinates.rolling_angles] = True
-        result = np.zeros(self.size, dtype=bool)
-        result[: 2 * self.coordinates.count] = np.tile(along, 2)
+        free, result = self.coordinates.free, np.zeros(self.size, dtype=bool)
+        along = np.flatnonzero((free % 6 == X) | np.isin(np.arange(len(free)), self.coordinates.rolling_angles))
+        result[along] = result[self.coordinates.count + along] = True
         return result
 
     def drift(self, state: Array) -> tuple[Array, Array]:
@@ -159,7 +165,7 @@ class VehicleDynamics:
     @cached_property
     def element(self) -> ContactElement[WheelsetState, Side]:
         """Both contacts of a wheelset."""
-        return ContactElement(self.contact, SIDES)
+        return ContactElement(IndependentWheels(self.contact) if self.twists else self.contact, SIDES)
 
     @cached_property
     def mass(self) -> Array:
@@ -209,7 +215,7 @@ class VehicleDynamics:
         sections = self.bodies.sections(travel, state)
         states = self._wheelset_states(travel, state, sections)
         contacts, c = self._solve_contacts(states, start), self.coordinates.count
-        accelerations, _ = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections)
+        accelerations = self._accelerations(travel, state, states, contacts, sections)
         structure = self._structure_rates(travel, state, states, contacts)
         return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations, structure]), contacts, start, states)
 
@@ -221,6 +227,27 @@ class VehicleDynamics:
     def _settled(self, t0: float, x0: Array, t: float, x: Array) -> tuple[Array, Array]:
         """State (2 c + m + k,) at the end of a step with its sliders drawn along, and errors m of the sliders."""
         return self.bodies.settled((self.speed_profile(t0), self.speed_profile(t)), (x0, x))
+
+    def accelerations_by(self, time: float, state: Array, contacts: WheelContacts) -> Array:
+        """Accelerations (c,) of the coordinates, then rates (m,) of Maxwell elements, under the contacts' loads."""
+        travel = self.speed_profile(time)
+        sections = self.bodies.sections(travel, state)
+        states = self._wheelset_states(travel, state, sections)
+        return self._accelerations(travel, state, states, contacts, sections)
+
+    def _accelerations(
+        self,
+        travel: TrackPosition,
+        state: Array,
+        states: Mapping[str, WheelsetState],
+        contacts: WheelContacts,
+        sections: Array,
+    ) -> Array:
+        rates = self.bodies.accelerations(travel, state, wheelset_wrenches(contacts), sections).rates
+        if not self.twists:
+            return rates
+        own = self.twists.accelerations(state, states, all_side_wrenches(contacts))
+        return np.insert(rates, self.coordinates.twists.start, own)
 
     def distances(self, travel: TrackPosition, state: Array) -> Array:
         """Distances (w,) m of the wheelsets along the track."""
@@ -273,6 +300,9 @@ class VehicleDynamics:
                 rail_shift=self._rail_shift(travel.distance + self.vehicle.bodies[name].x + q[X], q[YAW]),
                 wheelset=name,
             )
+        rates = state[self.coordinates.twist_rates].tolist()
+        for name, twist in zip(self.vehicle.independent, rates, strict=True):
+            states[name] = changed(states[name], twist_rate=twist)
         motions = self.motions(state)
         for i, structure, own in self.structures.elastic:
             name = self.vehicle.wheelsets[i]
@@ -340,6 +370,11 @@ def _require_finite(state: Array) -> None:
 def side_wrenches(contacts: Mapping[Side, ContactResult]) -> Array:
     """Force N and moment N m (2, 6) of the left and the right contact on a wheelset, in its track frame."""
     return np.array([np.concatenate([contacts[side].force, contacts[side].moment]) for side in SIDES])
+
+
+def all_side_wrenches(contacts: WheelContacts) -> Array:
+    """Force N and moment N m (w, 2, 6) of the left and the right contact on each wheelset, in its track frame."""
+    return np.array([side_wrenches(sides) for sides in contacts.values()])
 
 
 def wheelset_wrenches(contacts: WheelContacts) -> Array:

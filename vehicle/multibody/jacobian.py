@@ -22,6 +22,7 @@ from wheelrail.vehicle.multibody.equations import (
     VehicleDynamics,
     VehicleEvaluation,
     WheelContacts,
+    all_side_wrenches,
     side_wrenches,
     wheelset_wrenches,
 )
@@ -32,6 +33,7 @@ from wheelrail.vehicle.track.speed_profile import TrackPosition
 DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3)
 ODD = ("y", "roll", "yaw", "y_rate", "roll_rate", "yaw_rate")
 FIRST_RATE = WheelsetState.coordinates.index("y_rate")
+PITCH_RATE = WheelsetState.coordinates.index("pitch_rate") - FIRST_RATE
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,9 @@ class RailSlopes(NamedTuple):
 
 
 class ContactTangents(NamedTuple):
-    """Derivatives (w, 2, 6, 10 or 28) of force and moment of each wheel; whether they are the contact model's own."""
+    """Derivatives (w, 2, 6, 10 or 28) of force and moment of each wheel; whether they are the contact model's own. With
+    independent wheels there is one more, by the rate of the twist.
+    """
 
     values: Array
     exact: bool
@@ -100,16 +104,20 @@ class VehicleJacobian:
         no tangent.
         """
         self.counts.jacobians += 1
-        d, c, m = self.dynamics, self.dynamics.coordinates.count, self.dynamics.coordinates.size
+        d, c = self.dynamics, self.dynamics.coordinates.count
         travel, (_, _, jerk) = d.speed_profile(time), d.speed_profile.speeds(time)
         bodies = d.bodies.derivatives(travel, jerk, state, wheelset_wrenches(at.contacts))
         states = d.wheelset_states(time, state) if at.states is None else at.states
         tangents, rails = self.tangents(states, at.contacts), self._rail_slopes(travel, state)
         forces = self._by_state(tangents.values[:, :, :3])
         result = VehicleLinearisation(self._kinematic.copy(), np.zeros(d.size), tangents.exact, forces)
-        result.by_state[c:m, :m], result.by_time[c:m] = bodies.by_state, bodies.by_time
+        places = d.coordinates.of_bodies
+        rows = places[len(d.coordinates.free) :]
+        result.by_state[rows[:, None], places], result.by_time[rows] = bodies.by_state, bodies.by_time
         for i, (own, tangent) in enumerate(zip(self._own, tangents.values, strict=True)):
             self._add(result, i, c + own, bodies.by_wrench[:, own].T @ tangent, rails)
+        if d.twists:
+            self._add_twists(result, states, all_side_wrenches(at.contacts), tangents.values, rails)
         if d.structures.elastic:
             self._add_structures(result, travel, state, states, at.contacts, tangents.values, rails)
         return result
@@ -148,6 +156,21 @@ class VehicleJacobian:
             if self.dynamics.drifts and (place := self._places.get(x)) is not None:
                 result.by_state[rows, place] -= (by_contact[:, :, :2] @ rails.by_distance[i]).sum(axis=0)[:, 0]
 
+    def _add_twists(
+        self,
+        result: VehicleLinearisation,
+        states: Mapping[str, WheelsetState],
+        wrenches: Array,
+        tangents: Array,
+        rails: RailSlopes | None,
+    ) -> None:
+        """Add the rows of the twists of independent wheels."""
+        d, slopes = self.dynamics, self.dynamics.twists.slopes(states, wrenches)
+        rows = np.arange(d.size)[d.coordinates.twist_rates]
+        result.by_state[rows, : d.coordinates.size] = slopes.by_state
+        for row, i, own in zip(rows, d.twists.wheelsets, slopes.by_wrench, strict=True):
+            self._add(result, i, np.array([row]), own[:, None] @ tangents[i], rails)
+
     def _add_structures(
         self,
         result: VehicleLinearisation,
@@ -165,8 +188,11 @@ class VehicleJacobian:
             structure, wheelset = anywhere.at(distances[i]), states[names[i]]
             wrenches = side_wrenches(contacts[names[i]])
             slopes = structure.load_slopes(wheelset, wrenches, tangents[i, ..., :count])
-            by_speed = [structure.loads(wheelset, _only(side, tangents[i, ..., count])) for side in range(len(SIDES))]
-            slopes = np.concatenate([slopes, np.array(by_speed)[..., None]], axis=2)
+            others = [
+                [structure.loads(wheelset, _only(side, tangents[i, ..., k])) for k in range(count, tangents.shape[-1])]
+                for side in range(len(SIDES))
+            ]
+            slopes = np.concatenate([slopes, np.swapaxes(others, 1, 2)], axis=2)
             rows = d.coordinates.size + np.arange(own.start, own.stop)
             self._add(result, i, rows, structure.by_loads @ slopes, rails)
             result.by_state[rows[:, None], rows] += structure.by_motions
@@ -185,7 +211,8 @@ class VehicleJacobian:
     @cached_property
     def _places(self) -> dict[int, int]:
         """Index in the state by index among all coordinates and rates."""
-        return {coordinate: k for k, coordinate in enumerate(self.dynamics.coordinates.within_all.tolist())}
+        coordinates = self.dynamics.coordinates
+        return dict(zip(coordinates.within_all.tolist(), coordinates.of_bodies.tolist(), strict=True))
 
     @cached_property
     def _columns(self) -> list[tuple[NDArray[np.int64], NDArray[np.int64]]]:
@@ -196,6 +223,8 @@ class VehicleJacobian:
         places, total = self._places, d.coordinates.held.size
         first = {own.wheelset: d.coordinates.size + own.states.start for own in d.structures.elastic}
         moving = len(MOTIONS) if first else 0
+        rates = range(d.size)[d.coordinates.twist_rates]
+        twists = dict(zip(d.twists.wheelsets, rates, strict=True))
         result = list[tuple[NDArray[np.int64], NDArray[np.int64]]]()
         for i, body in enumerate(d.coordinates.wheelset_bodies.tolist()):
             columns = [6 * body + k for k in (Y, Z, ROLL, YAW)]
@@ -203,6 +232,8 @@ class VehicleJacobian:
             indices = [places.get(column, -1) for column in columns]
             indices += range(first[i], first[i] + moving) if i in first else [-1] * moving
             indices.append(places.get(total + 6 * body + X, -1))
+            if d.twists:
+                indices.append(twists.get(i, -1))
             free = np.flatnonzero(np.array(indices) >= 0)
             result.append((np.array(indices)[free], free))
         return result
@@ -231,7 +262,12 @@ class VehicleJacobian:
         speeds = np.array([s.speed for s in states.values()])
         by_rates = tangents[..., FIRST_RATE : FIRST_RATE + len(names)]
         by_speed = -np.einsum("wsij,wj->wsi", by_rates, rates / speeds[:, None])
-        return ContactTangents(np.concatenate([tangents, by_speed[..., None]], axis=-1), exact)
+        parts = [tangents, by_speed[..., None]]
+        if self.dynamics.twists:
+            by_spin = by_rates[..., [PITCH_RATE]] * np.array([1.0, -1.0])[:, None, None]
+            twists = np.array([s.twist_rate / s.speed for s in states.values()])
+            parts = [tangents, parts[1] - twists[:, None, None, None] * by_spin, by_spin]
+        return ContactTangents(np.concatenate(parts, axis=-1), exact)
 
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
         """Tangents (w, 2, 6, 9 or 27) of the contact model; None if it has none.

@@ -39,6 +39,9 @@ class VehicleBody:
         wheelset: whether the body is a wheelset: a body of revolution that rolls on the rails.
         held: coordinates that a constraint without work holds at zero, of `COORDINATES`: x at the body's place in the
             reference motion, the pitch of a wheelset at nominal rolling, the others in the nominal position.
+        independent: whether the wheels of a wheelset turn by themselves; its pitch is their mean, its inertia about y
+            that of both.
+        torsion: N m/rad and N m s/rad, of a spring and a damper between independent wheels, such as a soft axle.
     """
 
     mass: float
@@ -47,6 +50,8 @@ class VehicleBody:
     height: float
     wheelset: bool = False
     held: tuple[str, ...] = ()
+    independent: bool = False
+    torsion: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -160,6 +165,11 @@ class Vehicle:
         return tuple(name for name, body in self.bodies.items() if body.wheelset)
 
     @cached_property
+    def independent(self) -> tuple[str, ...]:
+        """Names of the wheelsets with independent wheels."""
+        return tuple(name for name in self.wheelsets if self.bodies[name].independent)
+
+    @cached_property
     def radius(self) -> float:
         """Nominal rolling radius, m."""
         return self.bodies[self.wheelsets[0]].height
@@ -255,6 +265,11 @@ def _check_body(key: str, body: VehicleBody) -> None:
             raise InvalidVehicle(f"{key}.{name}", "must be positive and finite")
     if not isfinite(body.x):
         raise InvalidVehicle(f"{key}.x", "must be finite")
+    if body.independent and (not body.wheelset or "pitch" in body.held):
+        raise InvalidVehicle(f"{key}.independent", "must be false but for a wheelset whose pitch is not held")
+    if any(body.torsion) and not body.independent:
+        raise InvalidVehicle(f"{key}.torsion", "must be zero but between independent wheels")
+    _check_numbers(f"{key}.torsion", body.torsion)
     if not set(body.held) <= set(COORDINATES):
         raise InvalidVehicle(f"{key}.held", f"must be of {', '.join(COORDINATES)}")
     if len(set(body.held)) < len(body.held):

@@ -81,10 +81,15 @@ def energy_balance(history: History) -> EnergyBalance:
     causes = (*POWERS, *(("applied",) if dynamics.loads else ()), *((FRICTION,) if sliders else ()))
     energy, power = np.empty(len(history)), np.empty((len(history), len(causes)))
     for i, row in enumerate(history.rows):
-        wrenches = np.concatenate([row.force, row.moment], axis=2).sum(axis=1)
-        kinetic, elastic, *powers = dynamics.bodies.energy_rates(dynamics.speed_profile(row.time), row.state, wrenches)
+        travel, wheels = dynamics.speed_profile(row.time), np.concatenate([row.force, row.moment], axis=2)
+        kinetic, elastic, *powers = dynamics.bodies.energy_rates(travel, row.state, wheels.sum(axis=1))
         found = dict(zip((*APPLIED, FRICTION), powers, strict=True))
         energy[i], power[i] = kinetic + elastic, [found[cause] for cause in causes]
+        if dynamics.twists:
+            states = dynamics.wheelset_states(row.time, row.state)
+            own, *supplied = dynamics.twists.energy_rates(row.state, states, wheels)
+            energy[i] += own
+            power[i, :2] += supplied
     if dynamics.structures.elastic:
         stored, supplied, dissipated = _of_structures(history)
         energy += stored

@@ -111,7 +111,7 @@ class RailFollowing:
         if self.drift is not None:
             places, (run, faster, acceleration) = places + self.drift.ahead, self.drift.since(time)
             count, along = d.coordinates.count, d.drifting[: d.coordinates.count]
-            share = np.where(d.coordinates.free % 6 == X, 1.0, 1.0 / d.vehicle.radius)[along]
+            share = np.where(d.coordinates.free[np.flatnonzero(along)] % 6 == X, 1.0, 1.0 / d.vehicle.radius)
             result[:, :count][:, along] = np.outer((run, faster, acceleration), share)
             result[:2, count : 2 * count][:, along] = np.outer((faster, acceleration), share)
         if d.track.irregularities is None:

@@ -94,15 +94,17 @@ def held_wheelset_modes(dynamics: VehicleDynamics) -> list[Mode]:
     matrix = np.zeros((n, n))
     matrix[: coordinates.count, coordinates.count : 2 * coordinates.count] = np.eye(coordinates.count)
     bodies = straight.bodies.derivatives(straight.speed_profile(0.0), 0.0, np.zeros(n), wrenches)
-    matrix[coordinates.count :] = bodies.by_state
+    places = coordinates.of_bodies
+    matrix[places[len(coordinates.free) :, None], places] = bodies.by_state
     fixed = np.concatenate([coordinates.of_body(body) for body in coordinates.wheelset_bodies.tolist()])
+    fixed = np.append(fixed, np.arange(n)[coordinates.twists])
     return _modes_of(straight, matrix, fixed=fixed)
 
 
 def _modes_of(dynamics: VehicleDynamics, matrix: Array, *, fixed: NDArray[np.int64]) -> list[Mode]:
     """Modes of the first-order system with some coordinates (and their rates) fixed."""
     coordinates, c, m = dynamics.coordinates, dynamics.coordinates.count, dynamics.coordinates.size
-    rolling = np.setdiff1d(coordinates.rolling_angles, fixed)
+    rolling = np.setdiff1d(coordinates.forceless, fixed)
     still = np.concatenate([fixed, c + fixed, rolling, coordinates.slider_components])
     free = np.setdiff1d(np.arange(len(matrix)), still)
     values, vectors = np.linalg.eig(matrix[np.ix_(free, free)])

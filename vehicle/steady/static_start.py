@@ -117,6 +117,10 @@ def above_one_another(dynamics: VehicleDynamics) -> Array:
     for name, y in offset.items():
         if y != 0.0:
             state[coordinates.index(name, Y)] = y
+    # Independent wheels roll: the inner one more slowly.
+    free = np.isin(range(dynamics.size)[coordinates.twists], coordinates.forceless)
+    spin = dynamics.speed_profile(0.0).speed / vehicle.radius
+    state[coordinates.twist_rates] = np.where(free, -spin * vehicle.wheel_y * curvature, 0.0)
     return state
 
 

@@ -14,7 +14,6 @@ from wheelrail.vehicle.multibody.equations import (
     VehicleDynamics,
     VehicleEvaluation,
     WheelContacts,
-    wheelset_wrenches,
 )
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.track.track import Track
@@ -23,6 +22,7 @@ from wheelrail.vehicle.track.track import Track
 LARGEST_CHANGE = (1e-2, 2e-2, 2e-2, 1e-2, 2e-3, 1e-2)
 LARGEST_OF_WHEELSETS = (1e-2, 5e-3, 1e-3, 2e-3, 2e-3, 5e-3)
 LARGEST_SPIN = 1e-3  # of nominal rolling
+LARGEST_TWIST = 1e-2  # rad
 MOTION = 1e-3  # m and rad, of axle and rails: as much in the residual as a wheel load, and largest in a Newton step
 NEEDED = ("y", "z", "roll", "yaw", "pitch_rate")  # coordinates of the wheelsets among the unknowns
 
@@ -62,7 +62,7 @@ class SteadyProblem:
         """Indices (u,) in the state."""
         coordinates = self.dynamics.coordinates
         indices = np.arange(coordinates.count)
-        indices[coordinates.rolling_angles] += coordinates.count
+        indices[coordinates.forceless] += coordinates.count
         return np.concatenate([indices, np.arange(coordinates.size, self.dynamics.size)])
 
     def at_rest(self, state: Array) -> Array:
@@ -82,8 +82,8 @@ class SteadyProblem:
         """(u,) largest change of each unknown in a Newton step."""
         d, bodies = self.dynamics, self.dynamics.vehicle.bodies.values()
         limits = np.ravel([LARGEST_OF_WHEELSETS if body.wheelset else LARGEST_CHANGE for body in bodies])
-        limits = limits[d.coordinates.free]
-        limits[d.coordinates.rolling_angles] = LARGEST_SPIN * d.speed_profile(self.time).speed / d.vehicle.radius
+        limits = np.concatenate([limits[d.coordinates.free], np.full(len(d.vehicle.independent), LARGEST_TWIST)])
+        limits[d.coordinates.forceless] = LARGEST_SPIN * d.speed_profile(self.time).speed / d.vehicle.radius
         return np.concatenate([limits, np.full(d.structures.size, MOTION)])
 
     @cached_property
@@ -97,7 +97,7 @@ class SteadyProblem:
     def residual(self, state: Array, contacts: WheelContacts) -> Array:
         """(u,) at a state."""
         d, c = self.dynamics, self.dynamics.coordinates.count
-        accelerations, _ = d.accelerations(self.time, state, wheelset_wrenches(contacts))
+        accelerations = d.accelerations_by(self.time, state, contacts)
         motions = self._static(state, d.structure_rates(self.time, state, contacts))
         return np.concatenate([self.weights * accelerations[:c], motions])
 

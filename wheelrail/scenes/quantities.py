@@ -55,6 +55,7 @@ READERS: dict[str, tuple[Any, ...]] = {
     **{f"body_{name}": (name, "mm", 3, "", "positive to the left" if name == "y" else "") for name in "xyz"},
     **{f"body_{name}": (name, "mrad", 3, "", "") for name in ("roll", "pitch")},
     "body_yaw": ("yaw", "mrad", 3, "", "positive to the left"),
+    "wheel_spin": ("spin", "rad/s", 3, "", "positive forward"),
     "yaw_reaction": ("yaw reaction", "kN m", 2),
     "t_gamma": ("T-gamma", "N", 1),
     "patch_utilisation": ("utilisation T / N of a patch", "1"),
@@ -188,6 +189,7 @@ RUN = _shown(
         "element": Quantity(("element",)),
         "axis": Quantity(("axis",)),
         **MOTION,
+        "wheel_spin": Quantity(BY_WHEEL, "rad/s", "spin about the axle, of wheels that turn by themselves", False),
         "series_deflection": Quantity(
             ("time", "series"),
             "m",

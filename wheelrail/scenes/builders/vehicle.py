@@ -94,6 +94,9 @@ def vehicle_on(scene: RunScene, file: Path | None = None) -> Vehicle:
     for key, names in tables.items():
         if not set(names) <= set(vehicle.wheelsets):
             raise SceneError(f"{key}: must be one of {', '.join(vehicle.wheelsets)}, the wheelsets of {file}")
+    for name in vehicle.independent:
+        if scene.on_wheelset(name).wheelset.axle is not None:
+            raise SceneError(f"{file}: bodies.{name}.independent = true: must be false with an elastic wheelset.axle")
     if vehicle.radius != scene.wheelset.radius:
         text = f"must be {scene.wheelset.radius:g} m, wheelset.radius of the scene"
         raise SceneError(f"{file}: bodies.{vehicle.wheelsets[0]}.height = {vehicle.radius:g}: {text}")

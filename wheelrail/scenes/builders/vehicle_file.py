@@ -35,6 +35,7 @@ Friction = Annotated[q.Finite, q.Range(0.0, 1e7, "N, at which a slider moves")]
 FrictionCoefficient = Annotated[q.Finite, q.Range(0.0, 10.0, "of the vertical spring force, in addition to friction")]
 FrictionStiffness = Annotated[q.Finite, q.Range(0.0, 1e11, "N/m, in series with the slider")]
 Rotational = Annotated[q.Finite, q.Range(0.0, 1e10, "N m/rad")]
+TorsionDamping = Annotated[q.Finite, q.Range(0.0, 1e9, "N m s/rad")]
 
 
 Coordinate = Literal["x", "y", "z", "roll", "pitch", "yaw"]
@@ -43,7 +44,8 @@ Coordinate = Literal["x", "y", "z", "roll", "pitch", "yaw"]
 class VehicleBodyTable(SceneTable):
     """A rigid body: mass, kg, inertia about x, y and z, kg m2, place of its centre, m.
 
-    The height of a wheelset is its rolling radius. Held coordinates follow the track at constant speed.
+    The height of a wheelset is its rolling radius. Independent wheels turn by themselves, with a spring, N m/rad, and a
+    damper, N m s/rad, between them as torsion. Held coordinates follow the track at constant speed.
     """
 
     mass: Mass
@@ -51,6 +53,8 @@ class VehicleBodyTable(SceneTable):
     x: Along
     height: Height
     wheelset: bool = False
+    independent: bool = False
+    torsion: Annotated[tuple[Rotational, TorsionDamping], Strict(False)] = (0.0, 0.0)
     held: Annotated[tuple[Coordinate, ...], Strict(False)] = ()
 
 

@@ -15,7 +15,7 @@ from wheelrail.scenes.datasets.run_file import FORM
 from wheelrail.scenes.quantities import AXES, EDGES, RUN, TURNS
 from wheelrail.scenes.quantity import filled
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.coordinates import YAW
+from wheelrail.vehicle.multibody.coordinates import PITCH, YAW
 from wheelrail.vehicle.multibody.vehicle import COORDINATES
 from wheelrail.vehicle.track.irregularity import QUANTITIES
 
@@ -112,6 +112,9 @@ def _motion(history: History) -> dict[str, Any]:
     if d.coordinates.held[d.coordinates.wheelset_bodies, YAW].all():
         rows = zip(history.rows, wrenches, strict=True)
         values["yaw_reaction"] = [d.yaw_reactions(row.time, row.state, wrench) for row, wrench in rows]
+    if d.twists:
+        mean = rate[:, d.coordinates.wheelset_bodies, PITCH] + history.speeds[:, None] / d.vehicle.radius
+        values["wheel_spin"] = mean[..., None] + d.twists.spins(history.state)
     return values | ({"series_deflection": series} if series.size else {})
 
 

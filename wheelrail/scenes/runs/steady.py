@@ -263,6 +263,9 @@ def _wheelsets_table(at: Equilibrium, curve: ConstantCurve | None) -> ResultTabl
     if d.coordinates.held[d.coordinates.wheelset_bodies, YAW].all():
         reactions = d.yaw_reactions(at.time, at.state, wheelset_wrenches(at.contacts)).tolist()
         columns.append(_column("yaw_reaction", lambda row: row.yaw_reaction))
+    states = d.wheelset_states(at.time, at.state)
+    if d.twists:
+        columns.append(_column("wheel_spin", lambda row: [states[row.name].turning_as(s).pitch_rate for s in SIDES]))
     if curve is not None:
         curve = replace(curve, speed=speed)
         where = f"curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
