@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,12 +15,17 @@ from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
-from wheelrail.scenes.builders.vehicle_file import load_vehicle
+from wheelrail.scenes.builders.vehicle import vehicle_on
+from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle, parse_vehicle
+from wheelrail.scenes.builders.wheelset import run_contact
+from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene, parse_scene
+from wheelrail.scenes.wear.lifted import LiftedContact
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.loads import AppliedLoads, BodyForce, WheelsetTorque
-from wheelrail.vehicle.multibody.coordinates import Y
+from wheelrail.vehicle.multibody.coordinates import X, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
@@ -32,6 +38,8 @@ from wheelrail.vehicle.track.constant_curve import ConstantCurve
 from wheelrail.vehicle.track.track import Track
 
 V = 20.0
+SCENE = (MANCHESTER.parent / "vehicle.toml").read_text(encoding="utf-8")
+PADS = "[track.pads]\nvertical = 100e6\nlateral = 40e6\n"
 
 
 def vehicle(**wheels: object) -> Vehicle:
@@ -146,6 +154,23 @@ def test_jacobian_against_differences(number: int) -> None:
     assert matrix[:, rows] == pytest.approx(found[:, rows], rel=1e-5, abs=1e-4 * np.abs(found[:, rows]).max())
 
 
+def test_jacobian_on_pads_with_the_standard_contact() -> None:
+    scene, own = parse_scene(SCENE + PADS, "pads.toml"), vehicle(independent=True, torsion=(0.0, 50.0))
+    assert isinstance(scene, RunScene)
+    contact, structures = run_contact(scene, own.wheelsets)
+    d = VehicleDynamics(own, Track(), contact, V, structures)
+    state = equilibrium(d).state
+    state[d.coordinates.twist_rates] = 0.02, -0.01, 0.03, 0.01
+    at = d(0.0, state)
+    matrix = VehicleJacobian(d, StepStatistics())(0.0, state, at).by_state
+    columns = np.arange(d.size)[d.coordinates.twist_rates]
+    for column in [*columns.tolist(), d.coordinates.count + d.coordinates.index("wheelset_3", X)]:
+        step = np.zeros(d.size)
+        step[column] = 1e-6
+        found = (d(0.0, state + step, at).rate - d(0.0, state - step, at).rate) / 2e-6
+        assert matrix[:, column] == pytest.approx(found, rel=1e-3, abs=1e-4 * np.abs(found).max())
+
+
 @pytest.mark.parametrize("number", range(4))
 def test_acceleration_of_each_wheel_is_that_of_its_own_rotor(number: int) -> None:
     """J / 2 times the rate of a wheel's angular velocity about the axle is the moment on it, see `LinearCreep`."""
@@ -201,22 +226,31 @@ def test_the_energy_changes_by_the_work() -> None:
 
 
 @dataclass(frozen=True)
-class Spins(VehicleContact):
+class Spins(LinearCreep):
     """Contact that keeps the spins it is called with."""
 
-    seen: dict[Side, float]
+    seen: dict[Side, float] = field(default_factory=dict)
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         self.seen[side] = state.pitch_rate
-        return ContactResult(np.zeros(3), np.zeros(3), status="converged")
+        return super().__call__(state, side, guess)
 
 
-def test_each_contact_sees_the_spin_of_its_wheel() -> None:
-    d = dynamics(vehicle(independent=True), Track(), Spins({}))
+def test_each_contact_sees_the_spin_of_its_wheel_in_runs_and_in_wear() -> None:
+    contact = Spins()
+    d = dynamics(vehicle(independent=True), Track(), contact)
     state = np.zeros(d.size)
     state[d.coordinates.twist_rates] = 0.25
-    d(0.0, state)
-    assert d.contact.seen == {"left": V / 0.46 + 0.25, "right": V / 0.46 - 0.25}  # type: ignore[attr-defined]
+    at, expected = d(0.0, state), {"left": V / 0.46 + 0.25, "right": V / 0.46 - 0.25}
+    assert contact.seen == expected
+    contact.seen.clear()
+    scene = parse_scene(SCENE, "vehicle.toml")
+    assert isinstance(scene, RunScene)
+    lifted = LiftedContact(scene, dict.fromkeys(d.vehicle.wheelsets, contact), contact).motion()
+    assert all(
+        result.ok for sides in lifted.results(at.states or {}, at.contacts).values() for result in sides.values()
+    )
+    assert contact.seen == expected
 
 
 @pytest.mark.parametrize(
@@ -239,3 +273,17 @@ def test_a_car_body_has_no_wheels_and_a_friction_brake_needs_an_axle() -> None:
     brake = AppliedLoads((WheelsetTorque("wheelset_1", 5e3, brake=True),))
     with pytest.raises(InvalidVehicle, match="rigid axle"):
         dynamics(vehicle(independent=True), Track(), linear(found), brake)
+
+
+def test_a_vehicle_file_with_independent_wheels_and_its_mistakes(tmp_path: Path) -> None:
+    text = MANCHESTER.read_text(encoding="utf-8")
+    own = text.replace("wheelset = true\n", "wheelset = true\nindependent = true\ntorsion = [1e5, 20]\n")
+    assert parse_vehicle(own, "own.toml").bodies["wheelset_2"].torsion == (1e5, 20.0)
+    with pytest.raises(SceneError, match=r"bodies.car_body.independent = true: must be false but for a wheelset"):
+        parse_vehicle(text.replace("height = 1.80\n", "height = 1.80\nindependent = true\n"), "own.toml")
+    file = tmp_path / "own.toml"
+    file.write_text(own, encoding="utf-8")
+    elastic = parse_scene(SCENE + "[wheelset.axle]\ndiameter = 0.16\n", "scene.toml")
+    assert isinstance(elastic, RunScene)
+    with pytest.raises(SceneError, match=r"wheelset_1.independent = true: must be false with an elastic wheelset.axle"):
+        vehicle_on(elastic, file)

@@ -57,7 +57,7 @@ class LiftedMotion:
         A load that is not found is a failed result.
         """
         tasks = [
-            (name, side, states[name], float(result.force[2]))
+            (name, side, states[name].turning_as(side), float(result.force[2]))
             for name, sides in contacts.items()
             for side, result in sides.items()
         ]
