@@ -37,7 +37,7 @@ class VehicleState(NamedTuple):
 @dataclass(frozen=True)
 class Coordinates:
     """Order of the state (2 c + m,) of a vehicle of n bodies: c coordinates, their rates, m components for the internal
-    variables of elements. The coordinates are the free ones of 6 n, then the twists of wheelsets with independent wheels.
+    variables of elements. Coordinates are the free ones of 6 n, then the twists of wheelsets with independent wheels.
 
     Parameters:
         vehicle: the bodies and elements.
