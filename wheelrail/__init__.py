@@ -16,6 +16,7 @@ from wheelrail.support.terminal import LOGGER
 from wheelrail.support.working_directory import load_libraries_outside
 
 if TYPE_CHECKING:
+    from wheelrail.api.assess import RunAssessment, assess
     from wheelrail.api.contact_geometry import contact_geometry
     from wheelrail.api.elements.hertz_element import HertzElement
     from wheelrail.api.elements.wheelset_element import WheelsetElement
@@ -35,12 +36,14 @@ _HOMES = {
     "Hertz": "wheelrail.api.hertz",
     "HertzElement": "wheelrail.api.elements.hertz_element",
     "Run": "wheelrail.api.runs",
+    "RunAssessment": "wheelrail.api.assess",
     "SceneError": "wheelrail.scenes.schema.messages",
     "Solution": "wheelrail.api.solution",
     "Study": "wheelrail.api.studies",
     "Wear": "wheelrail.api.wear",
     "Wheelset": "wheelrail.api.wheelset",
     "WheelsetElement": "wheelrail.api.elements.wheelset_element",
+    "assess": "wheelrail.api.assess",
     "contact_geometry": "wheelrail.api.contact_geometry",
     "explore": "wheelrail.explorer.start",
     "load": "wheelrail.api.files",
@@ -58,12 +61,14 @@ __all__ = [
     "Hertz",
     "HertzElement",
     "Run",
+    "RunAssessment",
     "SceneError",
     "Solution",
     "Study",
     "Wear",
     "Wheelset",
     "WheelsetElement",
+    "assess",
     "contact_geometry",
     "explore",
     "load",

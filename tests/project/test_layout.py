@@ -108,6 +108,7 @@ _SCENES = (
     "views",
     "studies",
     "wear",
+    "assessment",
     "tables",
     "html_report",
 )

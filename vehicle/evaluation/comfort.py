@@ -27,17 +27,21 @@ class Weighting:
         corner: Hz, of zero and poles of the transition.
         quality: of these poles.
         step: (f5 Hz, Q3, f6 Hz, Q4, gain) of the upward step; None: none.
+        steady: whether slow accelerations pass, too.
     """
 
     corner: float
     quality: float = 0.63
     step: tuple[float, float, float, float, float] | None = None
+    steady: bool = False
 
     def __call__(self, frequency: Array) -> NDArray[np.complex128]:
         """Transfer function (...) at frequencies (...) Hz."""
         s = 2j * np.pi * np.asarray(frequency, dtype=float)
         low, high, corner = (2 * np.pi * f for f in (*BAND, self.corner))
-        result = s**2 / _quadratic(s, low, BAND_QUALITY) * high**2 / _quadratic(s, high, BAND_QUALITY)
+        result = high**2 / _quadratic(s, high, BAND_QUALITY)
+        if not self.steady:
+            result = s**2 / _quadratic(s, low, BAND_QUALITY) * result
         result = result * (s + corner) * corner / _quadratic(s, corner, self.quality)
         if self.step is not None:
             f5, q3, f6, q4, gain = self.step
@@ -50,6 +54,7 @@ WEIGHTINGS = {
     "Wb": Weighting(16.0, step=(2.5, 0.8, 4.0, 0.8, 0.4)),
     "Wc": Weighting(8.0),
     "Wd": Weighting(2.0),
+    "Wp": Weighting(2.0, steady=True),
 }
 SPERLING_FACTORS = {"vertical": 0.588, "lateral": 0.737}
 

@@ -15,6 +15,7 @@ from wheelrail.support.arrays import Array
 
 INTERVAL = 2e-3  # s, of the samples that are filtered
 CUTOFF, ORDER = 20.0, 4  # Hz, and order of the Butterworth low-pass filter
+BAND = (0.4, 10.0)  # Hz, of accelerations, by a Butterworth filter of the same order
 WINDOW, STEP = 2.0, 0.5  # m, of the sliding mean
 PERCENTILES = (0.15, 99.85)
 QUOTIENT_LIMIT = 0.8  # of Y/Q
@@ -81,7 +82,7 @@ def wheelset_safety(
         np.stack([low_pass(np.interp(samples, time, column)) for column in wheels.T], 1) for wheels in (guiding, load)
     )
     places, shifting = np.interp(samples, time, distance), y[:, 1] - y[:, 0]
-    limit = alpha * (10e3 + 2.0 * static_wheel_load / 3.0)
+    limit = track_shifting_limit(static_wheel_load, alpha)
     means = sliding_mean(places, shifting)
     low, high = np.percentile(means, PERCENTILES).tolist()
     largest = np.argmin(means) if abs(low) > abs(high) else np.argmax(means)
@@ -109,6 +110,11 @@ def _middle(distance: Array, index: int, window: float = WINDOW, step: float = S
     return float(distance[0] + index * step + 0.5 * window)
 
 
+def track_shifting_limit(static_wheel_load: float, alpha: float) -> float:
+    """Limit of the sum of Y, N, by the static wheel load N and the factor of the kind of vehicle."""
+    return alpha * (10e3 + 2.0 * static_wheel_load / 3.0)
+
+
 def largest_wheel_load(speed: float) -> float:
     """Upper limit of Q, N, by the speed m/s."""
     bounds = ((160.0, 200e3), (200.0, 190e3), (250.0, 180e3), (300.0, 170e3))  # km/h, N
@@ -117,9 +123,18 @@ def largest_wheel_load(speed: float) -> float:
 
 def low_pass(signal: Array) -> Array:
     """Signal (n,), sampled every 2 ms, after the low-pass filter; it starts at the steady state of the first value."""
+    return _filtered(signal, CUTOFF, "lowpass")
+
+
+def band_pass(signal: Array) -> Array:
+    """Signal (n,), sampled every 2 ms, from 0.4 to 10 Hz; it starts at the steady state of the first value."""
+    return _filtered(signal, BAND, "bandpass")
+
+
+def _filtered(signal: Array, corners: float | tuple[float, float], kind: str) -> Array:
     from scipy.signal import butter, sosfilt, sosfilt_zi
 
-    sections = butter(ORDER, CUTOFF, fs=1.0 / INTERVAL, output="sos")
+    sections = butter(ORDER, corners, kind, fs=1.0 / INTERVAL, output="sos")
     filtered, _ = sosfilt(sections, signal, zi=sosfilt_zi(sections) * signal[0])
     return np.asarray(filtered)
 
@@ -157,12 +172,21 @@ def instability(distance: Array, shifting: Array) -> tuple[float, float]:
         distance: (n,) m, at equal times of 2 ms.
         shifting: (n,) N.
     """
-    if distance[-1] - distance[0] < INSTABILITY_WINDOW:
+    values, places = instability_history(distance, shifting)
+    if not len(values):
         return float("nan"), float("nan")
+    worst = int(np.argmax(values))
+    return float(values[worst]), float(places[worst])
+
+
+def instability_history(distance: Array, shifting: Array) -> tuple[Array, Array]:
+    """The same rms (m,) N of all windows and their middles (m,) m; none for less than 100 m."""
+    if distance[-1] - distance[0] < INSTABILITY_WINDOW:
+        return np.empty(0), np.empty(0)
     spectrum = np.fft.rfft(shifting - shifting.mean())
     frequency = np.fft.rfftfreq(len(shifting), INTERVAL)
     main = frequency[np.argmax(np.abs(spectrum))]
     near = np.fft.irfft(np.where(np.abs(frequency - main) <= HALF_BAND, spectrum, 0.0), len(shifting))
     squares = sliding_mean(distance, near**2, INSTABILITY_WINDOW, INSTABILITY_STEP)
-    worst = int(np.argmax(squares))
-    return float(np.sqrt(squares[worst])), _middle(distance, worst, INSTABILITY_WINDOW, INSTABILITY_STEP)
+    middles = distance[0] + INSTABILITY_STEP * np.arange(len(squares)) + 0.5 * INSTABILITY_WINDOW
+    return np.sqrt(squares), np.asarray(middles)

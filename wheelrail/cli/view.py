@@ -1,4 +1,4 @@
-"""Commands for 3D views, animations and HTML reports."""
+"""Commands for 3D views, animations, HTML reports and assessments."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import SceneFile, check_ending, error_lines, load, rejected
-from wheelrail.cli.output import print_files
+from wheelrail.cli.arguments import SceneFile, check_ending, error_lines, load, rejected, results_folder
+from wheelrail.cli.output import print_files, print_results
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
 
@@ -99,3 +99,51 @@ def report(
     with error_lines("", f"{place}: "), stdout_for_results(), progress_console().status("reading and drawing"):
         write_report(folder, place, view=not no_view)
     print_files("report", place)
+
+
+@app.command()
+def assess(
+    results: Annotated[
+        list[Path], typer.Argument(metavar="RUN...", help="Results of runs of one vehicle: run.nc or its folder.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for assessment.html, .json and .csv; default: print only."),
+    ] = None,
+    alpha: Annotated[
+        float, typer.Option("--alpha", metavar="A", help="Factor of the limit of the sum of Y; freight wagons 0.85.")
+    ] = 1.0,
+    length: Annotated[
+        float | None,
+        typer.Option("--length", metavar="L", help="Length of all sections, m; default: by zone.", show_default=False),
+    ] = None,
+    deficiency: Annotated[
+        float | None,
+        typer.Option(
+            "--deficiency",
+            metavar="I",
+            help="Cant deficiency of the two-dimensional estimates, m; default: none.",
+            show_default=False,
+        ),
+    ] = None,
+    floor: Annotated[
+        float, typer.Option("--floor", metavar="H", help="Height of the floor above top of rail, m.")
+    ] = 1.2,
+) -> None:
+    """Assess runs after EN 14363 and EN 12299: zones, estimates, limits with sources, verdict, comfort."""
+    from wheelrail.scenes.assessment.assess import Options, assessment_of
+    from wheelrail.scenes.assessment.tables import assessment_results
+
+    folder = None if out is None else results_folder(out, out)
+    with (
+        error_lines("", "" if folder is None else f"{folder}: "),
+        stdout_for_results(),
+        progress_console().status("reading"),
+    ):
+        found = assessment_of(results, Options(alpha, length, deficiency, floor))
+        files = []
+        if folder is not None:
+            from wheelrail.scenes.html_report.assessment_page import write_assessment
+
+            files = write_assessment(found, folder)
+    print_results(assessment_results(found, files))

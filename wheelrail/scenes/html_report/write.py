@@ -34,9 +34,14 @@ def write_report(folder: str | Path, file: str | Path | None = None, *, view: bo
     folder = Path(folder)
     report = page(folder, view=view)
     target = folder / PAGE if file is None else Path(file)
-    with atomic_file(target) as part:
-        part.write_text(rendered(report), encoding="utf-8")
+    write_page(report, target)
     return target
+
+
+def write_page(page: Page, file: Path) -> None:
+    """Write a page atomically. Raises OSError if the file cannot be written."""
+    with atomic_file(file) as part:
+        part.write_text(rendered(page), encoding="utf-8")
 
 
 def page(folder: Path, *, view: bool = True) -> Page:

@@ -48,6 +48,25 @@ def safety_of(results: Path, start: float, end: float, alpha: float) -> Safety:
 
 def safety_of_data(data: Dataset, file: Path, start: float = 0.0, end: float = inf, alpha: float = 1.0) -> Safety:
     """The same of a Dataset; file: its place, for errors."""
+    section, remarks = with_forces(data, file, start, end)
+    time, distance = section["time"].values, section["distance"].values
+    forces = section[["guiding_force", "vertical_force"]]
+    wheelsets = {
+        str(name): wheelset_safety(
+            time,
+            distance,
+            forces["guiding_force"].sel(wheelset=name).values,
+            forces["vertical_force"].sel(wheelset=name).values,
+            float(data.attrs["mean_wheel_load"]),
+            alpha,
+        )
+        for name in data["wheelset"].values
+    }
+    return Safety(wheelsets, remarks)
+
+
+def with_forces(data: Dataset, file: Path, start: float = 0.0, end: float = inf) -> tuple[Dataset, list[str]]:
+    """Samples of a section whose forces are known over (time, wheelset, side), and remarks; errors as `safety_of`."""
     section = data.isel(time=(data["distance"].values >= start) & (data["distance"].values <= end))
     if section.sizes["time"] < 2 or not np.ptp(section["distance"].values) > 2.0:
         raise SceneError(f"{file}: must have results of more than 2 m between {start:g} and {end:g} m")
@@ -64,19 +83,7 @@ def safety_of_data(data: Dataset, file: Path, start: float = 0.0, end: float = i
             raise SceneError(f"{file}: no contact forces over {longest:.1f} m: must be known every {WINDOW:g} m")
         remarks.append(f"{count} of {len(known)} samples have no contact forces and are left out")
         section, forces = section.isel(time=known), forces.isel(time=known)
-    time, distance = section["time"].values, section["distance"].values
-    wheelsets = {
-        str(name): wheelset_safety(
-            time,
-            distance,
-            forces["guiding_force"].sel(wheelset=name).values,
-            forces["vertical_force"].sel(wheelset=name).values,
-            float(data.attrs["mean_wheel_load"]),
-            alpha,
-        )
-        for name in data["wheelset"].values
-    }
-    return Safety(wheelsets, remarks)
+    return section.assign(forces), remarks
 
 
 def safety_results(safety: Safety) -> Results:
