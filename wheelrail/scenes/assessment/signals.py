@@ -48,10 +48,10 @@ def signals_of(data: Dataset, file: Path, name: str, floor: float) -> tuple[RunS
     points = _points(vehicle, floor)
     if not points:
         remarks.append("No accelerations: no car body moves freely in all directions")
-    states, series = _states(section, Coordinates(vehicle))
-    if points and not series:
+    states, complete = _states(section, Coordinates(vehicle))
+    if points and not complete:
         points = {}
-        remarks.append("No accelerations: the results lack the deflections of series springs")
+        remarks.append("No accelerations: the results lack internal variables of the suspension elements")
     acceleration, roll = _accelerations(vehicle, scene, track, section["time"].values, states, points)
     stations = np.arange(0.0, scene.track.length + STATION, STATION)
     curvature, lift = (
@@ -94,16 +94,16 @@ def _points(vehicle: Vehicle, floor: float) -> dict[str, tuple[str, tuple[float,
 
 
 def _states(section: Dataset, coordinates: Coordinates) -> tuple[Array, bool]:
-    """States (n, 2 c + m) without motions of structures, and whether springs in series are known."""
+    """States (n, 2 c + m) without motions of structures, and whether internal variables are known."""
     names = [f"body_{name}{rate}" for rate in ("", "_rate") for name in COORDINATES]
     moving = np.stack([section[name].transpose("time", "body").values for name in names], axis=-1)
     count = len(moving)
     parts = [moving[..., :6].reshape(count, -1)[:, coordinates.free], moving[..., 6:].reshape(count, -1)]
     parts[1] = parts[1][:, coordinates.free]
-    known = not coordinates.maxwell or "series_deflection" in section
-    if coordinates.maxwell:
-        deflections = section["series_deflection"].values if known else np.zeros((count, len(coordinates.maxwell)))
-        parts.append(deflections @ coordinates.from_series.T)
+    inner = len(coordinates.internal)
+    known = inner == section.sizes.get("series", 0)
+    values = section["series_deflection"].values if known and inner else np.zeros((count, inner))
+    parts.append(values @ coordinates.from_series.T)
     return np.concatenate(parts, axis=1), known
 
 

@@ -23,6 +23,7 @@ SHOWN = {
     "m/s2": Quantity((), "m/s2", digits=3),
 }
 HEADS = ("run", "zone", "from [m]", "to [m]", "quantity", "unit", "signal", "statistic", "value", "place [m]", "source")
+UNITS = {"count": "1", "speed": "m/s", **dict.fromkeys(("place", "start", "end", "radius", "deficiency"), "m")}
 COMFORT_SOURCE = "PyRidy, comfpy"
 COMFORT_SCALE = "N_MV below 1.5 is very comfortable, above 4.5 very uncomfortable; Wz 2 is good, 3 poor (not confirmed)"
 DISCOMFORT_NOTE = f"Formulas and constants of P_CT and P_DE: {UNCONFIRMED}"
@@ -45,7 +46,7 @@ def assessment_results(found: Assessment, files: Sequence[Path] = ()) -> Results
         }
         for own in found.sections
     ]
-    units = {key: own.unit for key, own in CRITERIA.items()} | {"place": "m", "count": "1"}
+    units = {key: own.unit for key, own in CRITERIA.items()} | UNITS
     facts = {
         "verdict": found.verdict,
         "exceeded": [f"{own.criterion}, zone {own.zone}" for own in found.exceeded],
