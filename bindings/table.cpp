@@ -38,9 +38,11 @@ void bind_table(nb::module_& m) {
                     "Values on a tensor product of nodes: nodes of all axes, one after the other, each increasing; "
                     "their counts by axis, the first one changing slowest; values (nodes * columns,); numbers at a "
                     "node.");
-    structure<TableData>(m, "TableData", {"normal", "friction", "coefficient", "radius", "lateral"},
-                         "Grids of a `NormalTable` and a `FrictionTable`, coefficient of friction, radius m of the "
-                         "wheel and nominal lateral position m of its tread from the rail's origin.");
+    structure<TableData>(
+        m, "TableData", {"normal", "friction", "coefficient", "radius", "lateral", "border"},
+        "Grids of a `NormalTable` and a `FrictionTable`, coefficient of friction, radius m of the "
+        "wheel, nominal lateral position m of its tread from the rail's origin, and widths (4,) of its "
+        "border in y m, roll and yaw rad, and level, or (0,).");
     m.def(
         "stencil",
         [](Numbers nodes, double x) {
@@ -78,9 +80,9 @@ void bind_table(nb::module_& m) {
         },
         "data"_a, "origin"_a, "rotation"_a, "velocity"_a, "rate"_a, "reference"_a, "rail_velocity"_a, "rail_rate"_a,
         "rail_reference"_a, Unlocked(),
-        "Numbers (19,) of a `TableForce` at a pose, (3,) m and (3, 3), and motions of wheel and rail: velocity m/s, "
+        "Numbers (20,) of a `TableForce` at a pose, (3,) m and (3, 3), and motions of wheel and rail: velocity m/s, "
         "angular velocity rad/s and reference m (3,). Force is zero at negative levels and speeds; without friction "
-        "and without contact the speed is 1.");
+        "and without contact the speed is 1. The last one is the share of the table beside an elastic contact.");
     m.def(
         "table_derivative",
         [](const TableData& data, Numbers origin, Rows rotation, Numbers velocity, Numbers rate, Numbers reference,
@@ -90,5 +92,6 @@ void bind_table(nb::module_& m) {
         },
         "data"_a, "origin"_a, "rotation"_a, "velocity"_a, "rate"_a, "reference"_a, "rail_velocity"_a, "rail_rate"_a,
         "rail_reference"_a, Unlocked(),
-        "Derivative (6, 12) of force and moment, see `ContactResult.tangent`; zero without contact or speed.");
+        "Derivative (7, 12) of force and moment, see `ContactResult.tangent`, zero without contact or speed, and of "
+        "the share.");
 }

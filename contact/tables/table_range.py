@@ -22,7 +22,7 @@ class TableRange:
     """
 
     y: tuple[float, float] = (-7e-3, 7e-3)
-    roll: tuple[float, float] = (-2e-3, 2e-3)
+    roll: tuple[float, float] = (-5e-3, 5e-3)
     yaw: tuple[float, float] = (-5e-3, 5e-3)
     load: tuple[float, float] = (10e3, 200e3)
 

@@ -34,7 +34,7 @@ def table(
     y: Annotated[
         Range, typer.Option("--y", metavar="LOW HIGH", help="Lateral position of a left-hand wheel on its rail, m.")
     ] = (-7e-3, 7e-3),
-    roll: Annotated[Range, typer.Option("--roll", metavar="LOW HIGH", help="Roll, rad.")] = (-2e-3, 2e-3),
+    roll: Annotated[Range, typer.Option("--roll", metavar="LOW HIGH", help="Roll, rad.")] = (-5e-3, 5e-3),
     yaw: Annotated[Range, typer.Option("--yaw", metavar="LOW HIGH", help="Yaw, rad.")] = (-5e-3, 5e-3),
     wheel_load: Annotated[
         Range, typer.Option("--load", metavar="LOW HIGH", help="Vertical load of a wheel without friction, N.")

@@ -66,10 +66,10 @@ def digest(**parts: Any) -> str:
 
 @cache
 def source_digest(*folders: Path) -> str:
-    """Hash of all Python files in folders, at any depth, by name and content, at the time of the first call."""
+    """Hash of all Python files and headers in folders, at any depth, by name and content, at the first call."""
     checksum = hashlib.sha256()
     for folder in folders:
-        for file in sorted(folder.rglob("*.py")):
+        for file in sorted((*folder.rglob("*.py"), *folder.rglob("*.hpp"))):
             checksum.update(file.name.encode())
             checksum.update(file.read_bytes())
     return checksum.hexdigest()[:12]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import prod
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ UNITS = {"y": "m", "roll": "rad", "yaw": "rad"}
 NORMAL_AXES = ("y", "roll", "yaw", "level")
 FRICTION_AXES = (*NORMAL_AXES, "longitudinal", "lateral")
 NORMAL_COLUMNS, FRICTION_COLUMNS = 9, 6  # numbers at a node
+BORDER_Y, BORDER = 5e-4, 0.1  # m, width of a border in y; share of the largest roll, yaw and load
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +154,7 @@ class TableForce(NamedTuple):
         speed: rolling speed, m/s; 1 without friction or contact.
         point: (3,) m of the resultant without friction.
         resultant: (3,) N, force without friction.
+        share: of the table beside an elastic contact, from 1 inside of its border to 0 outside.
     """
 
     values: Array
@@ -162,6 +164,7 @@ class TableForce(NamedTuple):
     speed: float
     point: list[float]
     resultant: list[float]
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,11 +175,25 @@ class ForceTable:
         frame: of the tread.
         normal: contact without friction.
         friction: change of forces by friction.
+        border: widths (4,) of the border in which `TableForce.share` falls to 0, in y m, roll and yaw rad, and level;
+            empty: none.
     """
 
     frame: TreadFrame
     normal: NormalTable
     friction: FrictionTable
+    border: tuple[float, ...] = ()
+
+    def __str__(self) -> str:
+        """Ranges, and the largest load."""
+        own = [f"{name} from {low:.3g} to {high:.3g} {UNITS[name]}" for name, (low, high) in self.ranges.items()]
+        return f"table: {', '.join(own)}, load up to {1e-3 * self.loads[1]:.4g} kN"
+
+    def bordered(self) -> ForceTable:
+        """The table with a border: 0.5 mm in y, a tenth of the largest roll, yaw and load."""
+        roll, yaw = (BORDER * 0.5 * (high - low) for low, high in (self.ranges["roll"], self.ranges["yaw"]))
+        level = (1.0 - (1.0 - BORDER) ** (2.0 / 3.0)) * float(self.normal.level[-1])
+        return replace(self, border=(BORDER_Y, roll, yaw, level))
 
     @cached_property
     def ranges(self) -> dict[str, tuple[float, float]]:
@@ -202,10 +219,12 @@ class ForceTable:
         values = table_force(*self.arguments(pose, motion))
         numbers = values.tolist()
         level, depth, speed = numbers[10:13]
-        return TableForce(values[:6], numbers[6:10], level, depth, speed, numbers[13:16], numbers[16:19])
+        return TableForce(values[:6], numbers[6:10], level, depth, speed, numbers[13:16], numbers[16:19], numbers[19])
 
     def derivative(self, pose: Pose, motion: RigidMotion) -> Array:
-        """Derivative (6, 12) of force and moment, see `wheelrail.contact.results.result.ContactResult.tangent`."""
+        """Derivative (7, 12) of force and moment, see `wheelrail.contact.results.result.ContactResult.tangent`, and of
+        the share.
+        """
         return table_derivative(*self.arguments(pose, motion))
 
     def arguments(self, pose: Pose, motion: RigidMotion) -> Any:
@@ -219,5 +238,10 @@ class ForceTable:
     def _data(self) -> TableData:
         friction, frame = self.friction, self.frame
         return TableData(
-            self.normal.grid, friction.grid, float(friction.coefficient), float(frame.radius), float(frame.lateral)
+            self.normal.grid,
+            friction.grid,
+            float(friction.coefficient),
+            float(frame.radius),
+            float(frame.lateral),
+            np.array(self.border, dtype=float),
         )

@@ -32,7 +32,10 @@ class TableContact:
     table: ForceTable
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
-        force = self.table.force(pose, motion)
+        return self.of(self.table.force(pose, motion), pose, motion)
+
+    def of(self, force: TableForce, pose: Pose, motion: RigidMotion) -> ContactResult:
+        """Result of a force of the table at a pose and motion."""
         if outside := self.table.outside(force.position):
             return ContactResult.failed(outside)
         if not (isfinite(force.depth) and all(map(isfinite, force.values))):
@@ -69,7 +72,7 @@ class _Derivative:
     @cached_property
     def matrix(self) -> Array:
         """Derivative (6, 12) of force and moment about the rail's origin."""
-        return self.table.derivative(self.pose, self.motion)
+        return self.table.derivative(self.pose, self.motion)[:6]
 
 
 def _patches(force: TableForce) -> tuple[Patch]:

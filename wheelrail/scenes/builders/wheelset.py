@@ -91,6 +91,12 @@ def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleConta
     for named in (scene, *(scene.contacts or {}).values()):
         profiles[id(named)] = side_profiles(named)
         contacts[id(named)] = wheelset_contact(named, profiles[id(named)], models)
+        if named.model == "table":
+            log.info("%s: %s", named.table, contacts[id(named)].model.table)
+        if scene.tabulated is not None and named.has_elements:
+            from wheelrail.scenes.builders.demanded_table import tabulated
+
+            contacts[id(named)] = tabulated(scene, named, contacts[id(named)], profiles[id(named)])
     if not scene.is_flexible:
         return _by_wheelset(scene, contacts), None
     own = {name: id(scene.contact_of(name)) for name in wheelsets}

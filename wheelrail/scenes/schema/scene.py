@@ -36,6 +36,7 @@ from wheelrail.scenes.schema.tables import (
     Sides,
     SolverTable,
     StressTable,
+    TabulatedTable,
     TrackTable,
     VehicleTable,
     WheelsetTable,
@@ -229,6 +230,12 @@ class OnRails(Contact):
         return any(_frictional(self.side(name).friction or 0.0) for name in SIDES)
 
     @property
+    def constant_friction(self) -> bool:
+        """Whether friction is a constant coefficient on both sides."""
+        laws = [friction for name in SIDES if isinstance(friction := self.side(name).friction, FrictionTable)]
+        return self.falling is None and all(table.law == "coulomb" for table in laws)
+
+    @property
     def elastic_keys(self) -> tuple[SceneTable | None, ...]:
         """Tables of axle and supports of the rails."""
         return self.wheelset.axle, self.track.pads, self.track.sleepers, self.track.ballast
@@ -243,12 +250,10 @@ class OnRails(Contact):
         """Contacts that are allowed on elastic axles and tracks in a run; empty for one of them."""
         if self.has_elements and (self.model == "full" or self.discretisation.points != "lattice"):
             return 'allowed in a run only with points = "lattice", that is laws = "exact" and model = "condensed"'
-        if self.model == "standard":
-            laws = [friction for name in SIDES if isinstance(friction := self.side(name).friction, FrictionTable)]
-            varies = self.falling is not None or any(table.law != "coulomb" for table in laws)
-            if self.normal == "hertz" or self.tangential == "polach" or varies:
-                allowed = 'allowed with model = "standard" only with "kik-piotrowski", "fastsim" and Coulomb friction'
-                return f"{allowed}, whose forces have derivatives"
+        known = self.normal != "hertz" and self.tangential != "polach" and self.constant_friction
+        if self.model == "standard" and not known:
+            allowed = 'allowed with model = "standard" only with "kik-piotrowski", "fastsim" and Coulomb friction'
+            return f"{allowed}, whose forces have derivatives"
         return ""
 
     @property
@@ -429,6 +434,7 @@ class RunScene(OnRails):
     contacts: of some wheelsets of a vehicle file, by name.
     kick: lateral velocities at the start by body, m/s to the left, of a vehicle file.
     torque, force: of motors and brakes on wheelsets, and on bodies, of a vehicle file.
+    tabulated: table of the contact's forces, in place of elastic contact where it is good.
     wheelsets: axle and track of single wheelsets by name, of a vehicle file.
     """
 
@@ -442,6 +448,7 @@ class RunScene(OnRails):
     kick: dict[str, q.KickVelocity] | None = None
     torque: Annotated[tuple[TorqueTable, ...], Strict(False), q.AtMost(1000)] | None = None
     force: Annotated[tuple[BodyForceTable, ...], Strict(False), q.AtMost(1000)] | None = None
+    tabulated: TabulatedTable | None = None
     wheelsets: dict[str, OwnWheelsetTable] | None = None
 
     def on_wheelset(self, name: str) -> RunScene:
@@ -518,6 +525,18 @@ class RunScene(OnRails):
             for key, own in {self._flexible_key: self, **named}.items():
                 if allowed := own.allowed_on_elastic:
                     raise q.reject(allowed, key)
+        return self
+
+    @model_validator(mode="after")
+    def _tabulable(self) -> RunScene:
+        """Raises a validation error where forces of the elastic contacts are no function of pose and creepages."""
+        if self.tabulated is None:
+            return self
+        own = [contact for contact in (self, *(self.contacts or {}).values()) if contact.has_elements]
+        if not own or any(contact.model == "full" or contact.discretisation.points != "lattice" for contact in own):
+            raise q.reject('allowed only with laws = "exact" and model = "condensed" on strips', "tabulated")
+        if not all(contact.constant_friction for contact in own):
+            raise q.reject("allowed only with a constant coefficient of friction", "tabulated")
         return self
 
     @model_validator(mode="after")

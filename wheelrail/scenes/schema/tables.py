@@ -322,6 +322,18 @@ class SolverTable(SceneTable):
     workers: q.Threads = 1
 
 
+class TabulatedTable(SceneTable):
+    """A table of the contact's forces, made on demand: largest y of a wheel on its rail, m, roll and yaw, rad, and
+    vertical load, N, and its tolerance, the root mean square of the error over the load.
+    """
+
+    y: q.TableWidth = 5e-3
+    roll: q.TableAngle = 5e-3
+    yaw: q.TableAngle = 5e-3
+    load: q.TableLoad = 200e3
+    tolerance: q.TableTolerance = 0.02
+
+
 class OutputTable(SceneTable):
     """Output: sampling interval, s (0: every accepted step), figures, and steps between checkpoints (0: none).
 

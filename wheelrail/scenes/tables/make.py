@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wheelrail.contact.tables.store import TaskStore, task_key
 from wheelrail.scenes.builders.table import pair_identity
 from wheelrail.scenes.builders.wheelset import mounted, side_profiles
 from wheelrail.scenes.datasets.result_table import Column, Results, ResultTable
@@ -25,7 +26,6 @@ from wheelrail.scenes.schema.profiles import SIDES, Side
 from wheelrail.scenes.schema.scene import RunScene, WheelsetScene
 from wheelrail.scenes.schema.toml import read_text
 from wheelrail.scenes.studies.workers import LOST, processes
-from wheelrail.scenes.tables.store import TaskStore, task_key
 from wheelrail.scenes.tables.work import sampler, task_rows
 from wheelrail.support.terminal import ProgressTimer
 from wheelrail.support.text_file import read_bytes

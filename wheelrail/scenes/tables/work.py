@@ -14,9 +14,8 @@ from wheelrail.scenes.schema.scene import RunScene, WheelsetScene, load_scene
 
 if TYPE_CHECKING:
     from wheelrail.contact.tables.samples import TableSampler
+    from wheelrail.contact.tables.store import Rows
     from wheelrail.contact.tables.tasks import Task
-
-Rows = list[list[float]]
 
 
 def sampler(scene: WheelsetScene | RunScene, side: Side) -> TableSampler:

@@ -18,11 +18,15 @@ struct TableData {
     double coefficient = 0.0;  // of friction; 0: its table is not read
     double radius = 0.0;       // of the wheel, m
     double lateral = 0.0;      // nominal position of the tread from the rail's origin, m
+    Numbers border;            // (4,) widths of its border in y m, roll and yaw rad, and level; or (0,), none
 
-    auto fields() { return std::tie(normal, friction, coefficient, radius, lateral); }
+    auto fields() { return std::tie(normal, friction, coefficient, radius, lateral, border); }
     bool fits() const {
-        return normal.fits() && friction.fits() && normal.axes() == LEVEL + 1 && normal.columns == CONTACT_NUMBERS &&
-               normal.counts[LEVEL] > 1 && friction.axes() == FRICTION_AXES && friction.columns == FRICTION_NUMBERS;
+        for (double width : border)
+            if (!(width > 0.0)) return false;
+        return (border.size() == 0 || border.size() == LEVEL + 1) && normal.fits() && friction.fits() &&
+               normal.axes() == LEVEL + 1 && normal.columns == CONTACT_NUMBERS && normal.counts[LEVEL] > 1 &&
+               friction.axes() == FRICTION_AXES && friction.columns == FRICTION_NUMBERS;
     }
 };
 
@@ -88,10 +92,19 @@ struct FrictionVariables {
     }
 };
 
+// Weight of a table: 3 u^2 - 2 u^3 of the distance u from its end inwards, over the width of the border, from 0 to 1.
+template <class T>
+T border_weight(const T& inwards, double width) {
+    T u = inwards / width;
+    if (!(value(u) > 0.0)) return T(0.0);
+    return value(u) < 1.0 ? u * u * (3.0 - 2.0 * u) : T(1.0);
+}
+
 // Force from a table.
 template <class T>
 struct TableForce {
     Vec<T> force{}, moment{};         // N, N m about the rail's origin; zero at negative levels and speeds
+    T share{1.0};                     // of the table beside an elastic contact: 1 inside of its border, 0 outside
     std::array<T, 4> position;        // y m, roll and yaw rad, z m of the tread
     double level = 0.0, depth = 0.0;  // (vertical load without friction / N)^(2/3), and m below first contact
     double speed = 1.0;               // m/s, of rolling; 1 without friction or contact
@@ -107,8 +120,17 @@ struct TableForce {
         for (int k = 0; k < 4; ++k) at[k] = value(position[k]);
         TableContact contact(data.normal, at, slopes);
         level = contact.values(0, 0), depth = contact.depth;
+        bool bordered = data.border.size() > 0;
+        for (int k = 0; bordered && k < LEVEL; ++k) {
+            Numbers nodes = data.normal.axis(k);
+            double low = nodes(0), high = nodes(nodes.size() - 1);
+            T inwards = at[k] + at[k] < low + high ? position[k] - low : high - position[k];
+            share = share * border_weight(inwards, data.border(k));
+        }
         if (!(level > 0.0)) return;
         auto of = moved<CONTACT_NUMBERS, T>(contact.values, position.data(), 4);
+        Numbers levels = data.normal.axis(LEVEL);
+        if (bordered) share = share * border_weight(levels(levels.size() - 1) - of[0], data.border(LEVEL));
         T load = of[0] * sqrt(of[0]);
         point = {tread.x + of[1], tread.y + of[2], tread.z + of[3]};
         resultant = {load * of[5], load * of[4], load};
@@ -130,28 +152,29 @@ struct TableForce {
     }
 };
 
-// Numbers (19,) of a `wheelrail.contact.models.table.force_table.TableForce`.
+// Numbers (20,) of a `wheelrail.contact.models.table.force_table.TableForce`.
 inline Array<double, 1> table_force(const TableData& data, const Pose<double>& pose,
                                     const RigidMotion<double>& motion) {
     TableForce<double> of(data, pose, motion);
-    Array<double, 1> out(19);
+    Array<double, 1> out(20);
     auto store = [&](const Vec<double>& a, long at) { out(at) = a.x, out(at + 1) = a.y, out(at + 2) = a.z; };
     store(of.force, 0), store(of.moment, 3);
     std::copy(of.position.begin(), of.position.end(), &out(6));
     out(10) = of.level, out(11) = of.depth, out(12) = of.speed;
     store(of.point, 13), store(of.resultant, 16);
+    out(19) = of.share;
     return out;
 }
 
-// Derivative (6, 12) of force and moment, see `wheelrail.contact.results.result.ContactResult.tangent`; zero where
-// there is no contact or speed.
+// Derivative (7, 12) of force and moment, see `wheelrail.contact.results.result.ContactResult.tangent`, zero where
+// there is no contact or speed, and of the share.
 inline Array<double, 2> table_derivative(const TableData& data, const Pose<double>& pose,
                                          const RigidMotion<double>& motion) {
     using T = Dual<12>;
     TableForce<T> of(data, varied<T>(pose), varied<T>(motion, pose));
-    Array<double, 2> columns(6, 12);
-    const T* rows[6] = {&of.force.x, &of.force.y, &of.force.z, &of.moment.x, &of.moment.y, &of.moment.z};
-    for (int row = 0; row < 6; ++row) std::copy(rows[row]->d, rows[row]->d + 12, &columns(row, 0));
+    Array<double, 2> columns(7, 12);
+    const T* rows[] = {&of.force.x, &of.force.y, &of.force.z, &of.moment.x, &of.moment.y, &of.moment.z, &of.share};
+    for (int row = 0; row < 7; ++row) std::copy(rows[row]->d, rows[row]->d + 12, &columns(row, 0));
     return columns;
 }
 

@@ -7,15 +7,13 @@ import json
 import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from threading import Lock
 
-from wheelrail.scenes.tables.work import Rows
+from wheelrail.contact.tables.tasks import Task
 from wheelrail.support.text_file import read_bytes
 
-if TYPE_CHECKING:
-    from wheelrail.contact.tables.tasks import Task
-
 MOST = 10_000.0  # MB
+Rows = list[list[float]]
 
 
 @dataclass
@@ -30,6 +28,7 @@ class TaskStore:
     file: Path
     header: str
     _rows: dict[str, Rows] = field(init=False, default_factory=dict)
+    _lock: Lock = field(init=False, default_factory=Lock)
 
     def __post_init__(self) -> None:
         """Raises FileRefused, OSError."""
@@ -57,7 +56,7 @@ class TaskStore:
     def save(self, key: str, rows: Rows) -> None:
         """Keep the rows of a task, on disk when this returns. Raises OSError."""
         text = json.dumps([key, rows])
-        with self.file.open("a", encoding="utf-8") as stream:
+        with self._lock, self.file.open("a", encoding="utf-8") as stream:
             stream.write(f"{_checksum(text)} {text}\n")
             stream.flush()
             os.fsync(stream.fileno())
