@@ -18,21 +18,23 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from wheelrail.contact.loading.flexible_state import MOTIONS
+from wheelrail.contact.loading.flexible_state import HUB_MOTIONS, MOTIONS, RAIL_MOTIONS, of_parts, sums_and_differences
 from wheelrail.contact.loading.structure import Structure
 from wheelrail.contact.structure.ballast import CoRunningTrack, of_both_sides
 from wheelrail.support.arrays import Array
 
-HUBS, RAILS, SLEEPERS = 12, 6, 4  # motions of both sides
+SIDE = (len(RAIL_MOTIONS), 2)  # motions of one rail and its sleepers
+HUBS, (RAILS, SLEEPERS) = 2 * len(HUB_MOTIONS), (2 * size for size in SIDE)
 TRACK = RAILS + SLEEPERS
+OF_SIDES = sums_and_differences(*SIDE)
 OWN, MOMENTA = slice(HUBS, HUBS + TRACK), slice(HUBS + TRACK, None)  # of the motions: those of the track, its momenta
 BY_SIDE = np.array([0, 1, 2, 6, 7, 3, 4, 5, 8, 9])  # rails and sleepers of the left, then of the right track
 
 
 @dataclass(frozen=True)
 class CoRunningStructure(Structure):
-    """Motions (32,): those of `FlexibleState.motions`, of the left and the right sleepers across and normal to the
-    foot, the right ones mirrored, then reduced momenta of rails and sleepers, m/s and rad/s.
+    """Motions (32,) of hubs, rails, and sleepers across and normal to the foot, then reduced momenta of rails and
+    sleepers, m/s and rad/s.
 
     Parameters:
         tracks: under the left and the right wheel, as left-hand ones, at any place; on rigid sleepers those under loads
@@ -44,8 +46,8 @@ class CoRunningStructure(Structure):
     mirrored_tracks: tuple[CoRunningTrack, CoRunningTrack] | None = field(default=None, kw_only=True)
 
     @property
-    def size(self) -> int:
-        return len(MOTIONS) + SLEEPERS + TRACK
+    def sizes(self) -> tuple[int, ...]:
+        return (len(HUB_MOTIONS), *SIDE, *SIDE)
 
     @property
     def velocities(self) -> int:
@@ -63,14 +65,14 @@ class CoRunningStructure(Structure):
     @cached_property
     def by_loads(self) -> Array:
         out = np.zeros((self.size, len(MOTIONS)))
-        out[:HUBS] = self.pairs.flexibility.matrix[:HUBS] / self.time_constant
+        out[:HUBS] = self._axle / self.time_constant
         out[MOMENTA, HUBS:] = np.linalg.inv(self._mean_mass)[:, :RAILS]
         return out
 
     @cached_property
     def compliance(self) -> Array:
         out = np.zeros((self.size, len(MOTIONS)))
-        out[:HUBS] = self.pairs.flexibility.matrix[:HUBS]
+        out[:HUBS] = self._axle
         out[OWN, HUBS:] = np.linalg.inv(self._stiffness)[:, :RAILS]
         return out
 
@@ -94,10 +96,15 @@ class CoRunningStructure(Structure):
         strain, kinetic = self._slope("stiffness"), self._mean_mass @ self._rates_slope
         return float(0.5 * own @ strain @ own + 0.5 * momenta @ kinetic @ momenta)
 
+    @cached_property
+    def _axle(self) -> Array:
+        """Motions (12, 18) of the hubs by the loads."""
+        return of_parts(self.pairs.flexibility.matrix)[:HUBS]
+
     @property
     def _hubs(self) -> Array:
         """Stiffness (12, 12) of the axle."""
-        return np.linalg.pinv(self.pairs.flexibility.matrix[:HUBS, :HUBS], rcond=1e-12, hermitian=True)
+        return np.linalg.pinv(self._axle[:, :HUBS], rcond=1e-12, hermitian=True)
 
     @cached_property
     def _rates(self) -> Array:
@@ -130,8 +137,8 @@ class CoRunningStructure(Structure):
         return self._both(lambda track: getattr(track.slope(self.pairs.flexibility.place), name))
 
     def _both(self, value: Callable[[CoRunningTrack], Array]) -> Array:
-        """Matrix (10, 10) of both tracks, rails first, of values (5, 5) of one."""
+        """Matrix (10, 10) of even and odd parts of both tracks, rails first, of values (5, 5) of one."""
         same, mirrored = ([value(t) for t in own] if own else None for own in (self.tracks, self.mirrored_tracks))
         out = np.zeros((TRACK, TRACK))
         out[np.ix_(BY_SIDE, BY_SIDE)] = of_both_sides(same or (), mirrored)
-        return out
+        return np.asarray(OF_SIDES @ (out @ OF_SIDES))

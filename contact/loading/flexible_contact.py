@@ -44,25 +44,31 @@ class FlexiblePairs:
         """Pair of one side as a left-hand one; hubs and rails of a state without motions are at rest."""
         index = int(side == "right")
         mounting = self.mountings[index]
-        motions = np.array(state.motions) if isinstance(state, FlexibleState) else np.zeros(18)
-        hubs = self._lines[index] @ motions[:12]
-        return MovedPair(
-            mounting,
-            state.mirrored() if index else state,
-            hubs[6 * index : 6 * index + 6],
-            motions[12 + 3 * index : 15 + 3 * index],
-            self.flexibility.foot(index),
-        )
+        moves = self._moves([state], index)[0]
+        own = state.mirrored() if index else state
+        return MovedPair(mounting, own, moves[:6], moves[6:], self.flexibility.foot(index))
 
     def states(self, states: Sequence[WheelsetState], side: Side) -> MovedStates:
         """States of one side of several wheelsets, see `pair`."""
         index = int(side == "right")
         mounting, (y, z) = self.mountings[index], self.flexibility.foot(index).tolist()
-        motions = np.array([s.motions if isinstance(s, FlexibleState) else REST for s in states])
-        # A product for each state: rounding must not depend on the others that are solved together.
-        hubs, rails = (motions[:, None, :12] @ self._lines[index].T)[:, 0], motions[:, 12 + 3 * index : 15 + 3 * index]
-        moves = np.concatenate([hubs[:, 6 * index : 6 * index + 6], rails], axis=1)
+        moves = self._moves(states, index)
         return MovedStates(np.array([s.values for s in states]), moves, mounting.dimensions, (y, z), index == 1)
+
+    def _moves(self, states: Sequence[WheelsetState], index: int) -> Array:
+        """Motions (n, 9) of hub and rail of a side, those of the hub relative to the line through both hubs.
+
+        Sums and differences of both sides, and no others, keep mirror images to the last bit.
+        """
+        motions = np.array([s.motions if isinstance(s, FlexibleState) else REST for s in states])
+        even, odd = 0.5 * (motions[:, :6] + motions[:, 6:12]), 0.5 * (motions[:, :6] - motions[:, 6:12])
+        own, other = self._lines[0][:6, :6], self._lines[0][:6, 6:]
+        if index:
+            own, other = self._lines[1][6:, 6:], self._lines[1][6:, :6]
+        # A product for each state: rounding must not depend on the others that are solved together.
+        even, odd = ((part[:, None] @ matrix.T)[:, 0] for part, matrix in ((even, own + other), (odd, own - other)))
+        rails = motions[:, 12 + 3 * index : 15 + 3 * index]
+        return np.concatenate([even - odd if index else even + odd, rails], axis=1)
 
     @cached_property
     def _lines(self) -> tuple[Array, Array]:

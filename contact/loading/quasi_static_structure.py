@@ -16,18 +16,18 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.contact.loading.flexible_state import MOTIONS
+from wheelrail.contact.loading.flexible_state import HUB_MOTIONS, MOTIONS, RAIL_MOTIONS, of_parts
 from wheelrail.contact.loading.structure import Structure
 from wheelrail.support.arrays import Array
 
 
 @dataclass(frozen=True)
 class QuasiStaticStructure(Structure):
-    """Rates of the motions of hubs and rails, in the order of `FlexibleState.motions`."""
+    """Rates of the motions of hubs and rails."""
 
     @property
-    def size(self) -> int:
-        return len(MOTIONS)
+    def sizes(self) -> tuple[int, ...]:
+        return len(HUB_MOTIONS), len(RAIL_MOTIONS)
 
     @cached_property
     def by_motions(self) -> Array:
@@ -37,13 +37,9 @@ class QuasiStaticStructure(Structure):
     def by_loads(self) -> Array:
         return self.compliance / self.time_constant
 
-    @property
+    @cached_property
     def compliance(self) -> Array:
-        return self.pairs.flexibility.matrix
-
-    @property
-    def unloaded(self) -> Array:
-        return self.pairs.flexibility.unloaded
+        return of_parts(self.pairs.flexibility.matrix)
 
     @cached_property
     def energy_matrix(self) -> Array:
@@ -57,8 +53,8 @@ class QuasiStaticStructure(Structure):
         return np.asarray((self.unloaded + self.compliance @ loads - motions) / self.time_constant)
 
     def rates_by_distance(self, motions: Array, loads: Array) -> Array:
-        return np.asarray(self.pairs.flexibility.matrix_slope @ loads / self.time_constant)
+        return np.asarray(of_parts(self.pairs.flexibility.matrix_slope) @ loads / self.time_constant)
 
     def energy_by_distance(self, motions: Array) -> float:
         load = self.energy_matrix @ (motions - self.unloaded)
-        return float(-0.5 * load @ self.pairs.flexibility.matrix_slope @ load)
+        return float(-0.5 * load @ of_parts(self.pairs.flexibility.matrix_slope) @ load)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.flexible_contact import FlexiblePairs
-from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState
+from wheelrail.contact.loading.flexible_state import MOTIONS, OF_SIDES, FlexibleState, by_parts, sums_and_differences
 from wheelrail.contact.loading.flexible_wheelset import COLUMNS, structural
 from wheelrail.contact.solvers.tangent import MIRRORED
 from wheelrail.support.arrays import Array
@@ -32,7 +33,9 @@ class Structure(ABC):
         pairs: of both sides.
         time_constant: s, damping over stiffness of massless parts.
 
-    The first 18 of the k motions are those of `FlexibleState.motions`; further motions and rates of motions follow.
+    The k motions are even and odd parts of those of both sides as left-hand ones (see `sums_and_differences`), the
+    loads are those on even and odd parts. The first 18 are of `FlexibleState.motions`; further motions and rates of
+    motions follow.
     """
 
     pairs: FlexiblePairs
@@ -40,8 +43,18 @@ class Structure(ABC):
 
     @property
     @abstractmethod
+    def sizes(self) -> tuple[int, ...]:
+        """Numbers of motions of one side in their order, of which k is twice the sum."""
+
+    @property
     def size(self) -> int:
         """Number k of states."""
+        return 2 * sum(self.sizes)
+
+    @cached_property
+    def of_sides(self) -> Array:
+        """Matrix (k, k) by which even and odd parts become motions of the left and the right side."""
+        return sums_and_differences(*self.sizes)
 
     @property
     def velocities(self) -> int:
@@ -76,7 +89,8 @@ class Structure(ABC):
     @property
     def unloaded(self) -> Array:
         """Motions (k,) without contact, x_0."""
-        return np.concatenate([self.pairs.flexibility.unloaded, np.zeros(self.size - len(MOTIONS))])
+        parts = 0.5 * OF_SIDES @ self.pairs.flexibility.unloaded
+        return np.concatenate([parts, np.zeros(self.size - len(MOTIONS))])
 
     @property
     def period(self) -> float:
@@ -93,32 +107,32 @@ class Structure(ABC):
     def moved(self, state: WheelsetState, motions: Array) -> FlexibleState:
         """State of the wheelset with motions (k,)."""
         values = {f.name: getattr(state, f.name) for f in fields(WheelsetState)}
-        return FlexibleState(**values, motions=tuple(motions[: len(MOTIONS)].tolist()))
+        return FlexibleState(**values, motions=tuple((OF_SIDES @ motions[: len(MOTIONS)]).tolist()))
 
     def loads(self, state: WheelsetState, wrenches: Array) -> Array:
-        """Loads (18,) N and N m on both hubs, then on both rails, conjugate to the motions.
+        """Loads (18,) N and N m on the hubs, then on the rails, conjugate to the motions.
 
         Parameters:
             state: of the wheelset with its motions, from `moved`.
             wrenches: (2, 6), force N on the left and the right wheel, and moment N m about the wheelset's centre.
         """
         mirrored = self._mirrored(wrenches)
-        return structural(
-            np.stack([self.pairs.loads(state, s, w)[0] @ w for s, w in zip(SIDES, mirrored, strict=True)])
-        )
+        loads = np.stack([self.pairs.loads(state, s, w)[0] @ w for s, w in zip(SIDES, mirrored, strict=True)])
+        return np.asarray(OF_SIDES @ structural(loads))
 
     def load_slopes(self, state: WheelsetState, wrenches: Array, tangents: Array) -> Array:
-        """Derivatives (2, 18, 27) of the loads by `FlexibleState.coordinates`: parts of the left and the right contact.
+        """Derivatives (2, 18, 27) of the loads by the wheelset's coordinates and the motions: parts of the left and the
+        right contact.
 
         Parameters:
             state, wrenches: as for `loads`.
-            tangents: (2, 6, 27), derivatives of the wrenches.
+            tangents: (2, 6, 27), the same derivatives of the wrenches.
         """
         slopes = np.zeros((2, 2, 9, COLUMNS))  # of both contacts, loads by side
         for index, (side, wrench) in enumerate(zip(SIDES, self._mirrored(wrenches), strict=True)):
             (matrix, change), tangent = self.pairs.loads(state, side, wrench), tangents[index]
-            slopes[index, index] = matrix @ (MIRRORED[:, None] * tangent if index else tangent) + change
-        return np.stack([structural(own) for own in slopes])
+            slopes[index, index] = matrix @ (MIRRORED[:, None] * tangent if index else tangent) + by_parts(change)
+        return np.stack([OF_SIDES @ structural(own) for own in slopes])
 
     def rates(self, motions: Array, loads: Array) -> Array:
         """Rates (k,) of motions (k,) under loads (18,)."""

@@ -13,18 +13,21 @@ from wheelrail.vehicle.multibody.coordinates import YAW, Coordinates
 from wheelrail.vehicle.multibody.coordinates import Y as LATERAL
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts, wheelset_wrenches
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES
+from wheelrail.vehicle.multibody.structures import Structures
 from wheelrail.vehicle.track.speed_profile import TrackPosition
 
 Y, Z, ROLL, PITCH = (COORDINATES.index(f"wheelset_{name}") for name in ("y", "z", "roll", "pitch"))
 MIRROR = np.tile([-1.0 if name.endswith(("_y", "_roll")) else 1.0 for name in COORDINATES], 2)
 
 
-def mirror_signs(coordinates: Coordinates) -> Array:
-    """Factors (2 c + m,) of a state that is mirrored at y = 0: of sums and differences of mirrored springs, too."""
+def mirror_signs(coordinates: Coordinates, structures: Structures | None = None) -> Array:
+    """Factors (2 c + m + k,) of a state that is mirrored at y = 0: of sums and differences of mirrored springs, too."""
     bodies = np.tile([1.0, -1.0, 1.0, -1.0, 1.0, -1.0], len(coordinates.vehicle.names))[coordinates.free]
     lateral = np.array([-1.0 if j == LATERAL else 1.0 for _, _, j in coordinates.internal])
     differences = np.where(np.diag(coordinates.series) < 0.0, -1.0, 1.0)
-    return np.concatenate([bodies, bodies, lateral * differences])
+    elastic = structures.elastic if structures else ()
+    parts = [sign * np.ones(n) for own in elastic for n in own.structure.sizes for sign in (1.0, -1.0)]
+    return np.concatenate([bodies, bodies, lateral * differences, *parts])
 
 
 def wrench_of(contacts: WheelContacts) -> Array:

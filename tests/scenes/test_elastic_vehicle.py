@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plane import mirror_signs
 
 from wheelrail.contact.loading.co_running_structure import CoRunningStructure
 from wheelrail.contact.loading.flexible_contact import FlexibleContact
@@ -149,3 +150,21 @@ def test_resumed_runs_are_the_same_to_the_last_bit() -> None:
     np.testing.assert_array_equal(again.time, whole.time)
     np.testing.assert_array_equal(again.state, whole.state)
     np.testing.assert_array_equal(again.force, whole.force)
+
+
+@pytest.mark.parametrize("kind", ["standard", "strips"])
+def test_mirrored_runs_are_mirror_images_to_the_last_bit(kind: str) -> None:
+    own = scene(OWN) if kind == "strips" else parse_scene(STANDARD + OWN, SCENES / "scene.toml")
+    assert isinstance(own, RunScene)
+    vehicle, runs = vehicle_on(own, FILE), []
+    contact, structures = run_contact(own, vehicle.wheelsets)
+    steps = StepSettings("rosenbrock", 3e-3, 3e-5)
+    for hand in (1.0, -1.0):
+        track = Track.curve(curvature=hand / 600, cant=0.06, transition=15.0, length=50.0)
+        runs.append(simulate(VehicleDynamics(vehicle, track, contact, 45.0, structures), (0.0, 0.3), steps=steps))
+    left, right = runs
+    np.testing.assert_array_equal(right.time, left.time)
+    d = left.dynamics
+    np.testing.assert_array_equal(right.state, mirror_signs(d.coordinates, d.structures) * left.state)
+    np.testing.assert_array_equal(right.force[:, :, ::-1], left.force * [1.0, -1.0, 1.0])
+    assert np.abs(left.state[-1, 1]) > 1e-5

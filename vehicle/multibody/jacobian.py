@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState
+from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState, by_parts
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
@@ -257,6 +257,8 @@ class VehicleJacobian:
             raise StepFailure("the contact has no tangent, which elastic axles and rails on pads need")
         if tangents is None:
             tangents = self._differences(states, contacts)
+        if self.dynamics.structures.elastic:
+            tangents = by_parts(tangents)
         names = WheelsetState.coordinates[FIRST_RATE:]
         rates = np.array([[getattr(s, name) for name in names] for s in states.values()])
         speeds = np.array([s.speed for s in states.values()])

@@ -146,7 +146,7 @@ def _structure_motion(history: History) -> dict[str, Any]:
     """Motions of elastic hubs and rails, if any; NaN of wheelsets without."""
     structures, values = history.dynamics.structures, dict[str, Array]()
     for i, structure, states in structures.elastic:
-        elastic, motion = structure.pairs.flexibility, history.motions[:, states]
+        elastic, motion = structure.pairs.flexibility, history.motions[:, states] @ structure.of_sides
         for name, moves, first, mirrored in (
             ("hub_motion", elastic.hubs is not None, 0, MIRRORED_HUB),
             ("rail_motion", elastic.rails is not None, 12, MIRRORED_RAIL),
