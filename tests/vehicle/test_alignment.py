@@ -48,7 +48,7 @@ def test_bloss_transition() -> None:
 
 
 def test_segments_give_curvature_superelevation_and_gradient() -> None:
-    curvature, superelevation, gradient = track_functions(S_CURVE)
+    curvature, superelevation, gradient, _ = track_functions(S_CURVE)
     for s, k, h in (
         (-1.0, 0.0, 0.0),
         (30.0, 0.0, 0.0),
@@ -129,7 +129,7 @@ def test_invalid_segments(segments: list[Segment], index: int, key: str, says: s
 
 
 def test_compound_curves_and_ends_without_a_tangent() -> None:
-    curvature, superelevation, _ = track_functions(
+    curvature, superelevation, *_ = track_functions(
         [Segment("transition", 20.0, 1e-3, 0.05), Segment("transition", 30.0), Segment("arc", 9.0, 2e-3, 0.1)]
     )
     assert (curvature.values, superelevation.values) == ((0.0, 1e-3, 2e-3), (0.0, 0.05, 0.1))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wheelrail.contact.element.contact_element import ContactElement
 from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import SIDES, Side
-from wheelrail.contact.kinematics.wheelset_state import RailShift, WheelsetState
+from wheelrail.contact.kinematics.wheelset_state import NO_SHIFT, RailShift, WheelsetState
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import ContactsByWheelset, IndependentWheels, VehicleContact
 from wheelrail.support.arrays import Array
@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 
 WheelContacts = Mapping[str, Mapping[Side, ContactResult]]  # by wheelset and side
 NO_LOADS = AppliedLoads()
-SMOOTH: RailShift = ((0.0, 0.0), (0.0, 0.0))  # displacements of rails without irregularities
 
 
 @dataclass(frozen=True)
@@ -311,13 +310,12 @@ class VehicleDynamics:
 
     def _rail_shift(self, distance: float, yaw: float) -> RailShift | None:
         """Displacement m of the rails at the wheels of a wheelset, of which yaw puts the left one behind the centre."""
-        irregularities = self.track.irregularities
-        if irregularities is None:
+        if not self.track.moves_rails:
             return None
         if yaw == 0.0:
-            return irregularities.rails(distance)
-        left, right = (irregularities.rails(distance + way * self.vehicle.wheel_y * yaw) for way in (-1.0, 1.0))
-        return ((left or SMOOTH)[0], (right or SMOOTH)[1])
+            return self.track.rails(distance)
+        left, right = (self.track.rails(distance + way * self.vehicle.wheel_y * yaw) for way in (-1.0, 1.0))
+        return ((left or NO_SHIFT)[0], (right or NO_SHIFT)[1])
 
     def solve_contacts(self, time: float, state: Array, guess: WheelContacts | None) -> WheelContacts:
         """Contacts of all wheels; raises StepFailure for a result that failed or is not finite."""

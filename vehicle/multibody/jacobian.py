@@ -132,14 +132,14 @@ class VehicleJacobian:
 
     def _rail_slopes(self, travel: TrackPosition, state: Array) -> RailSlopes | None:
         """Derivatives of the displacements of irregular rails at the wheels; None on smooth rails."""
-        d, irregularities = self.dynamics, self.dynamics.track.irregularities
-        if irregularities is None:
+        d = self.dynamics
+        if not d.track.moves_rails:
             return None
         yaws = d.coordinates.split(state).position[d.coordinates.wheelset_bodies, YAW]
         # As in `VehicleDynamics`: yaw puts the left wheel behind.
         ways = d.vehicle.wheel_y * yaws[:, None] * [-1.0, 1.0]
         at = d.distances(travel, state)[:, None] + ways
-        by_distance = irregularities.derivatives(at.ravel())[1].reshape(*at.shape, 4)
+        by_distance = d.track.rail_slopes(at.ravel()).reshape(*at.shape, 4)
         slopes = np.stack([by_distance[:, 0, :2], by_distance[:, 1, 2:]], axis=1)[..., None]
         return RailSlopes(slopes, travel.speed * slopes)
 

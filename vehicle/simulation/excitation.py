@@ -117,9 +117,14 @@ class Excitation:
         vehicle, line = self.dynamics.vehicle, self.dynamics.track
         places = np.unique([body.x for body in vehicle.bodies.values()])
         found = [Prescribed(_alignment(line), places)] if len(TrackSections(line).breaks) > 1 else []
+        wheelsets = np.array([vehicle.bodies[name].x for name in vehicle.wheelsets])
         if line.irregularities is not None:
-            wheelsets = np.array([vehicle.bodies[name].x for name in vehicle.wheelsets])
             found.append(Prescribed(_rails(line.irregularities), wheelsets))
+        if line.widens and len(breaks := line.widening.breaks) > 1:
+            points = sample_points(breaks)
+            values = np.array([[0.5 * line.widening(s)[0] for s in row] for row in points.tolist()])
+            outside = 0.5 * np.array([[line.widening.values[end]] for end in (0, -1)])
+            found.append(Prescribed(LocalPolynomials.through(breaks, values[..., None], outside), wheelsets))
         return tuple(found)
 
     @cached_property

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from math import cos, sin
 from typing import NoReturn
 
-from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.kinematics.wheelset_state import NO_SHIFT, WheelsetState
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.coordinates import ROLL
-from wheelrail.vehicle.multibody.equations import SMOOTH, VehicleDynamics
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
 
 
 class OutOfBounds(RuntimeError):
@@ -90,7 +90,7 @@ def wheels(dynamics: VehicleDynamics, states: Mapping[str, WheelsetState]) -> di
                 wheelset.y - sign * half_base * (1.0 - c) + radius * s - rail_y,
                 wheelset.z + sign * half_base * s + radius * (1.0 - c) - rail_z,
             )
-            for sign, (rail_y, rail_z) in zip((1.0, -1.0), wheelset.rail_shift or SMOOTH, strict=True)
+            for sign, (rail_y, rail_z) in zip((1.0, -1.0), wheelset.rail_shift or NO_SHIFT, strict=True)
         ]
     return result
 

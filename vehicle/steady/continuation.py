@@ -12,7 +12,6 @@ from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
-from wheelrail.vehicle.track.track import Track
 
 RAMP, DECAY = 3.0, 6.0  # s: transition into the curve; then until the slowest sway has decayed to 1 %
 TOLERANCE = 3e-3
@@ -22,7 +21,7 @@ MOST_STEPS = 2000  # a transient takes some hundred; one that needs more does no
 def is_curved(dynamics: VehicleDynamics, time: float) -> bool:
     """Whether the track at a time s is not straight and level."""
     line, s = dynamics.track, dynamics.speed_profile(time).distance
-    return any(function(s)[0] != 0.0 for function in (line.curvature, line.superelevation, line.gradient))
+    return any(function(s)[0] != 0.0 for function in line.functions)
 
 
 def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -> Array:
@@ -37,11 +36,8 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
     """
     line, (s, speed, *_) = dynamics.track, dynamics.speed_profile(time)
     ends = (0.0, RAMP * speed)
-    curvature, superelevation, gradient = (
-        PiecewiseFunction(ends, (0.0, function(s)[0]))
-        for function in (line.curvature, line.superelevation, line.gradient)
-    )
-    transient = replace(dynamics, track=Track(curvature, superelevation, gradient, line.base), speed=speed)
+    into = line.changed(lambda function: PiecewiseFunction(ends, (0.0, function(s)[0])))
+    transient = replace(dynamics, track=into, speed=speed)
     atol, longest = transient.tolerances(1e-3 * TOLERANCE), RAMP / 4  # which meets the transition
     state, settings = start, StepSettings(ROSENBROCK.name, TOLERANCE, atol, max_step=longest)
     jacobian = VehicleJacobian(transient, StepStatistics())

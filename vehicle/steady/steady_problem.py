@@ -16,7 +16,6 @@ from wheelrail.vehicle.multibody.equations import (
     WheelContacts,
 )
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
-from wheelrail.vehicle.track.track import Track
 
 # Largest changes in a Newton step, m and rad, of x, y, z, roll, pitch, yaw of bodies and of wheelsets.
 LARGEST_CHANGE = (1e-2, 2e-2, 2e-2, 1e-2, 2e-3, 1e-2)
@@ -46,15 +45,13 @@ class SteadyProblem:
     def of(cls, dynamics: VehicleDynamics, time: float) -> SteadyProblem:
         """At the speed, curvature, cant and gradient at a time s, on smooth rails."""
         (s, speed, *_), line = dynamics.speed_profile(time), dynamics.track
-        functions = (line.curvature, line.superelevation, line.gradient)
         if (
             line.irregularities is None
-            and all(len(f.values) == 1 for f in functions)
+            and all(len(f.values) == 1 for f in line.functions)
             and dynamics.speed_profile.constant
         ):
             return cls(dynamics, time)
-        curvature, superelevation, gradient = (type(f).constant(f(s)[0]) for f in functions)
-        track = Track(curvature, superelevation, gradient, line.base)
+        track = line.changed(lambda f: type(f).constant(f(s)[0]))
         return cls(replace(dynamics, track=track, speed=speed), s / speed)
 
     @cached_property

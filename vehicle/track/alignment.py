@@ -37,6 +37,7 @@ class Segment:
         curvature: of an arc, 1/m, positive to the left; of a transition that is followed by another one, its end value.
         cant: of an arc, m, positive raises the outer rail (the right one without curvature); of a transition as for
             curvature.
+        widening: of the gauge on an arc, m, half of it by each rail; of a transition as for curvature.
         shape: of a transition from the values of the previous to those of the next segment (straight track if there is
             none).
         gradient: rad, positive uphill; None: that of the previous segment, level at first.
@@ -48,34 +49,40 @@ class Segment:
     length: float
     curvature: float | None = None
     cant: float | None = None
+    widening: float | None = None
     shape: Shape = "quintic"
     gradient: float | None = None
     vertical_radius: float | None = None
 
 
 class CurveValues(NamedTuple):
-    """Curvature 1/m, positive to the left, and superelevation m, the height of the right rail above the left."""
+    """Curvature 1/m, positive to the left; superelevation m, the height of the right rail above the left; widening of
+    the gauge m.
+    """
 
     curvature: float
     superelevation: float
+    widening: float
 
     def __str__(self) -> str:
-        return f"{self.curvature:g} 1/m with {self.superelevation * copysign(1.0, self.curvature):g} m of cant"
+        cant = f"{self.superelevation * copysign(1.0, self.curvature):g} m of cant"
+        return f"{self.curvature:g} 1/m with {cant}" + (f", {self.widening:g} m of widening" if self.widening else "")
 
 
-STRAIGHT = CurveValues(0.0, 0.0)
+STRAIGHT = CurveValues(0.0, 0.0, 0.0)
 
 
 class TrackFunctions(NamedTuple):
-    """Functions of distance: curvature 1/m, superelevation m, gradient rad."""
+    """Functions of distance: curvature 1/m, superelevation m, gradient rad, widening of the gauge m."""
 
     curvature: PiecewiseFunction
     superelevation: PiecewiseFunction
     gradient: PiecewiseFunction
+    widening: PiecewiseFunction
 
 
 def track_functions(segments: Sequence[Segment], *, corner: float = 3.0) -> TrackFunctions:
-    """Curvature, superelevation and gradient along the segments, constant before the first and beyond the last.
+    """Functions along the segments, constant before the first and beyond the last.
 
     Parameters:
         segments: in order, from s = 0.
@@ -101,14 +108,15 @@ def track_functions(segments: Sequence[Segment], *, corner: float = 3.0) -> Trac
         values.append(ends[index])
         shapes.append(segment.shape)
 
-    def function(part: Literal["curvature", "superelevation"]) -> PiecewiseFunction:
+    def function(part: Literal["curvature", "superelevation", "widening"]) -> PiecewiseFunction:
         if not stations:
             return PiecewiseFunction.constant(getattr(ends[0], part))
         return PiecewiseFunction(
             tuple(stations), tuple(getattr(value, part) for value in values), shape=tuple(shapes), corner=corner
         )
 
-    return TrackFunctions(function("curvature"), function("superelevation"), _gradient(segments, boundaries, corner))
+    gradient = _gradient(segments, boundaries, corner)
+    return TrackFunctions(function("curvature"), function("superelevation"), gradient, function("widening"))
 
 
 def _check(index: int, segment: Segment, corner: float) -> None:
@@ -122,7 +130,9 @@ def _check(index: int, segment: Segment, corner: float) -> None:
             raise AlignmentError(index, key, "must be greater than 0 m")
     if segment.kind == "arc" and segment.curvature is None:
         raise AlignmentError(index, "curvature", "must be given for an arc")
-    for key in ("curvature", "cant"):
+    if not 0.0 <= (segment.widening or 0.0) < inf:
+        raise AlignmentError(index, "widening", "must not be negative")
+    for key in ("curvature", "cant", "widening"):
         if segment.kind == "tangent" and getattr(segment, key):
             raise AlignmentError(index, key, "must be 0 or left out for a tangent")
     if segment.kind == "transition" and segment.shape == "clothoid" and not 0.0 < corner <= 0.5 * segment.length:
@@ -141,7 +151,7 @@ def _ends(segments: Sequence[Segment]) -> list[CurveValues]:
             if ends and ends[-1] != end:
                 text = f"jumps from {ends[-1]} to {end}: must have a transition in between"
                 raise AlignmentError(index, _differing(ends[-1], end), text)
-        elif segment.curvature is None and segment.cant is None:
+        elif segment.curvature is None and segment.cant is None and segment.widening is None:
             if not (last or followed):
                 raise AlignmentError(index, "curvature", "must be given for a transition into another one")
             end = values[index + 1] if followed else STRAIGHT
@@ -154,11 +164,13 @@ def _ends(segments: Sequence[Segment]) -> list[CurveValues]:
 
 def _own(segment: Segment) -> CurveValues:
     curvature = segment.curvature or 0.0
-    return CurveValues(curvature, (segment.cant or 0.0) * copysign(1.0, curvature))
+    return CurveValues(curvature, (segment.cant or 0.0) * copysign(1.0, curvature), segment.widening or 0.0)
 
 
 def _differing(a: CurveValues, b: CurveValues) -> str:
-    return "cant" if a.curvature == b.curvature else "curvature"
+    if a.curvature != b.curvature:
+        return "curvature"
+    return "cant" if a.superelevation != b.superelevation else "widening"
 
 
 def _gradient(segments: Sequence[Segment], boundaries: list[float], corner: float) -> PiecewiseFunction:

@@ -18,6 +18,7 @@ class ConstantCurve:
         curvature: 1/m, positive to the left.
         cant: m, positive raises the outer rail (the right one without curvature).
         base: m, lateral distance over which the cant is measured.
+        widening: of the gauge, m.
 
     Raises ValueError for values out of bounds.
     """
@@ -26,6 +27,7 @@ class ConstantCurve:
     curvature: float
     cant: float = 0.0
     base: float = 1.5
+    widening: float = 0.0
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -38,10 +40,9 @@ class ConstantCurve:
 
     @property
     def track(self) -> Track:
-        superelevation = self.cant * copysign(1.0, self.curvature)
-        return Track(
-            PiecewiseFunction.constant(self.curvature), PiecewiseFunction.constant(superelevation), base=self.base
-        )
+        values = self.curvature, self.cant * copysign(1.0, self.curvature), self.widening
+        curvature, superelevation, widening = map(PiecewiseFunction.constant, values)
+        return Track(curvature, superelevation, base=self.base, widening=widening)
 
     @property
     def angle(self) -> float:

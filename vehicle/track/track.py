@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 from math import cos
 
 import numpy as np
 
+from wheelrail.contact.kinematics.wheelset_state import NO_SHIFT, RailShift
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.track.alignment import Segment, track_functions
 from wheelrail.vehicle.track.irregularity import Irregularities
@@ -51,6 +53,7 @@ class Track:
         gradient: rad, positive uphill.
         base: m, lateral distance over which the superelevation is measured.
         irregularities: of the rails, if any.
+        widening: of the gauge, m, half of it by each rail.
 
     Raises ValueError for a superelevation not smaller than the base.
     """
@@ -60,6 +63,7 @@ class Track:
     gradient: PiecewiseFunction = field(default_factory=_zero)
     base: float = 1.5
     irregularities: Irregularities | None = None
+    widening: PiecewiseFunction = field(default_factory=_zero)
 
     def __post_init__(self) -> None:
         if not self.base > max(abs(h) for h in self.superelevation.values):
@@ -117,7 +121,43 @@ class Track:
         Raises AlignmentError, a ValueError, for invalid segments, or values that are not continuous.
         """
         functions = track_functions(segments, corner=corner)
-        return cls(functions.curvature, functions.superelevation, functions.gradient, base, irregularities)
+        return cls(*functions[:3], base, irregularities, functions.widening)
+
+    @property
+    def functions(self) -> tuple[PiecewiseFunction, ...]:
+        """Curvature, superelevation, gradient and widening."""
+        return self.curvature, self.superelevation, self.gradient, self.widening
+
+    def changed(self, change: Callable[[PiecewiseFunction], PiecewiseFunction]) -> Track:
+        """Track with smooth rails and all functions changed."""
+        curvature, superelevation, gradient, widening = map(change, self.functions)
+        return Track(curvature, superelevation, gradient, self.base, widening=widening)
+
+    @cached_property
+    def widens(self) -> bool:
+        """Whether the gauge widens."""
+        return any(self.widening.values)
+
+    @property
+    def moves_rails(self) -> bool:
+        """Whether irregularities or the widening of the gauge displace the rails."""
+        return self.irregularities is not None or self.widens
+
+    def rails(self, s: float) -> RailShift | None:
+        """Displacements y, z m of the left and the right rail at a distance s m; None: none."""
+        shift = None if self.irregularities is None else self.irregularities.rails(s)
+        if not self.widens:
+            return shift
+        (left, left_z), (right, right_z) = shift or NO_SHIFT
+        half = 0.5 * self.widening(s)[0]
+        return (left + half, left_z), (right - half, right_z)
+
+    def rail_slopes(self, s: Array) -> Array:
+        """Derivatives (m, 4) by distance of y and z of the left and the right rail at distances (m,)."""
+        slopes = np.zeros((len(s), 4)) if self.irregularities is None else self.irregularities.derivatives(s)[1].copy()
+        if self.widens:
+            slopes[:, [0, 2]] += np.outer([self.widening(x)[1] for x in s.tolist()], [0.5, -0.5])
+        return slopes
 
     def heading(self, s: float) -> float:
         """Angle of the tangent in plan relative to s = 0, rad, by Gauss quadrature over each smooth piece."""

@@ -93,9 +93,8 @@ def curve_of(scene: RunScene) -> ConstantCurve:
     line, length = scene.track.track(), scene.track.length
     s = max((length * i / 1000 for i in range(1001)), key=lambda s: abs(line.curvature(s)[0]))
     curvature, superelevation = line.curvature(s)[0], line.superelevation(s)[0]
-    return ConstantCurve(
-        scene.vehicle.first_speed, curvature, -superelevation if curvature < 0.0 else superelevation, line.base
-    )
+    cant = -superelevation if curvature < 0.0 else superelevation
+    return ConstantCurve(scene.vehicle.first_speed, curvature, cant, line.base, line.widening(s)[0])
 
 
 def equilibria_of(

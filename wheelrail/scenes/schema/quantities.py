@@ -183,6 +183,7 @@ PointScale = Annotated[Finite, Range(1e-6, 1e6, hint="factor of the points of a 
 PointShift = Annotated[Finite, Range(-10.0, 10.0, "m", "10 mm is 0.01")]
 Section = Annotated[int, Strict(), Range(1, 1000, whole=True)]
 Cant = Annotated[Finite, Range(-0.25, 0.25, "m", "60 mm is 0.06; positive raises the outer rail")]
+Widening = Annotated[Finite, Range(0.0, 0.05, "m", "of the gauge: 15 mm is 0.015")]
 CantBase = Annotated[Finite, Range(0.5, 2.5, "m", "1.5 for standard gauge")]
 Slope = Annotated[Finite, Range(-0.1, 0.1, hint="rise over run: 10 per mille is 0.01")]
 Length = Annotated[Finite, Range(0.0, 1e5, "m")]

@@ -27,8 +27,8 @@ class SegmentTable(SceneTable):
     """Segment of a track; length: m.
 
     An arc has a radius, m, or a curvature, 1/m, positive to the left, and a cant, m; a transition has a shape, and end
-    values only before another transition. slope: rise over run, by default that of the previous segment;
-    vertical_radius: of the vertical curve at the beginning of the segment, m.
+    values only before another transition. widening: of the gauge, m, half of it by each rail; slope: rise over run, by
+    default that of the previous segment; vertical_radius: of the vertical curve at the beginning of the segment, m.
     """
 
     kind: Literal["tangent", "transition", "arc"]
@@ -36,6 +36,7 @@ class SegmentTable(SceneTable):
     radius: q.CurveRadius | None = None
     curvature: q.Curvature | None = None
     cant: q.Cant | None = None
+    widening: q.Widening | None = None
     shape: Shape | None = None
     slope: q.Slope | None = None
     vertical_radius: q.VerticalRadius | None = None
@@ -57,6 +58,7 @@ class SegmentTable(SceneTable):
             self.length,
             curvature=1.0 / self.radius if self.radius is not None else self.curvature,
             cant=self.cant,
+            widening=self.widening,
             shape=self.shape or shape,
             gradient=None if self.slope is None else atan(self.slope),
             vertical_radius=self.vertical_radius,
