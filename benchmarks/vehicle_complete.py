@@ -267,7 +267,7 @@ def gauge() -> Iterator[Check]:
         moved = track_of({"pads": PADS, "ballast": ballast}).pairs.flexibility.matrix[12:, 12:] @ loads
         yield Check(f"gauge, {name}, rails by finite elements, mm", 1e3 * (moved[0] + moved[3]), expected, 0.01)
     uniform = {"length": float(np.sqrt(12.0)) * rail_y()}
-    loads = np.array([1e4, -5e4, 100.0, -1e4, 5e4, -100.0])
+    loads = np.array([0.0, 0.0, 0.0, 2e4, -1e5, 200.0])  # on even and odd parts
     one, two = (track_of({"pads": PADS, "ballast": own}).compliance[12:22, 12:] @ loads for own in (uniform, HALVES))
     yield Check("same side: rigid sleepers against halves", np.abs(one - two).max() / np.abs(two).max(), 0.0, 1e-12)
 
@@ -371,7 +371,7 @@ CHECKS: dict[str, Callable[[], Iterator[Check]]] = {
     "joint": joint,
 }
 QUICK: dict[str, Callable[[], Iterator[Check]]] = {
-    "plane": partial(plane_wagon, 0.1),
+    "plane": partial(plane_wagon, 1.5),
     "table": lambda: (check for bodies in ("rigid", "mass") for check in steady(bodies, 1)),
     "joint": partial(joint, (20.0,)),
 }
