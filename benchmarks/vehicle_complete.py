@@ -35,9 +35,10 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.coordinates import Y, Z
+from wheelrail.vehicle.multibody.elements import SuspensionElement
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
-from wheelrail.vehicle.multibody.vehicle import SuspensionElement, Vehicle
+from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.simulate import simulate

@@ -76,7 +76,8 @@ void check_indices(const Vehicle& v) {
     for (const auto& e : v.elements) {
         right &= body(e.upper) && body(e.lower);
         for (const auto& d : e.directions)
-            right &= law(d.spring_law) && law(d.damper_law) && internal(d.series) && internal(d.friction.slider);
+            right &= law(d.spring_law) && law(d.damper_law) && internal(d.series) && internal(d.friction.slider) &&
+                     internal(d.surge.flow) && (d.surge.flow < 0 || d.series >= 0);
     }
     for (const auto& [first, second] : v.pairs)
         right &= within(first, v.elements.size()) && (second == -1 || within(second, v.elements.size()));
@@ -222,14 +223,15 @@ NB_MODULE(_vehicle, m) {
     nb::class_<Law>(m, "Law").def(nb::init<bool, List, List>(), "odd"_a, "values"_a, "forces"_a);
     nb::class_<Friction>(m, "Friction")
         .def(nb::init<int, double, double, double>(), "slider"_a, "stiffness"_a, "limit"_a, "share"_a);
+    nb::class_<Surge>(m, "Surge").def(nb::init<int, double, double>(), "flow"_a, "mass"_a, "exponent"_a);
     nb::class_<Direction>(m, "Direction")
-        .def(nb::init<double, double, int, int, int, double, Friction>(), "spring"_a, "damper"_a, "spring_law"_a,
-             "damper_law"_a, "series"_a, "series_stiffness"_a, "friction"_a);
+        .def(nb::init<double, double, int, int, int, double, Friction, Surge>(), "spring"_a, "damper"_a, "spring_law"_a,
+             "damper_law"_a, "series"_a, "series_stiffness"_a, "friction"_a, "surge"_a);
     nb::class_<Element>(m, "Element")
-        .def(nb::init<int, int, Vector, Vector, double, double, std::array<Direction, 3>>(), "upper"_a, "lower"_a,
-             "upper_arm"_a, "lower_arm"_a, "turn"_a, "static_load"_a, "directions"_a);
+        .def(nb::init<int, int, Vector, Vector, double, double, double, std::array<Direction, 3>>(), "upper"_a,
+             "lower"_a, "upper_arm"_a, "lower_arm"_a, "turn"_a, "static_load"_a, "length"_a, "directions"_a);
     nb::class_<RotationalSpring>(m, "RotationalSpring")
-        .def(nb::init<int, int, Vector>(), "upper"_a, "lower"_a, "stiffness"_a);
+        .def(nb::init<int, int, Vector, Vector>(), "upper"_a, "lower"_a, "stiffness"_a, "damping"_a);
     nb::class_<Table>(m, "Table").def(nb::init<bool, List, List>(), "by_distance"_a, "places"_a, "values"_a);
     nb::class_<Torque>(m, "Torque")
         .def(nb::init<int, int, bool, Table>(), "wheelset"_a, "reaction"_a, "brake"_a, "size"_a);

@@ -36,11 +36,17 @@ ONE, NONE = core.Table(False, [0.0], [1.0]), core.Table(False, [], [])
 
 
 def element(
-    upper: int = 0, lower: int = 1, spring_law: int = -1, damper_law: int = -1, series: int = -1, slider: int = -1
+    upper: int = 0,
+    lower: int = 1,
+    spring_law: int = -1,
+    damper_law: int = -1,
+    series: int = -1,
+    slider: int = -1,
+    flow: int = -1,
 ) -> Any:
-    friction = core.Friction(slider, 1.0, 1.0, 0.0)
-    direction = core.Direction(1.0, 1.0, spring_law, damper_law, series, 1.0, friction)
-    return core.Element(upper, lower, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, [direction] * 3)
+    friction, surge = core.Friction(slider, 1.0, 1.0, 0.0), core.Surge(flow, 1.0, 1.0)
+    direction = core.Direction(1.0, 1.0, spring_law, damper_law, series, 1.0, friction, surge)
+    return core.Element(upper, lower, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.0, 0.0, 0.0, [direction] * 3)
 
 
 WRONG: list[dict[str, Any]] = [
@@ -52,9 +58,11 @@ WRONG: list[dict[str, Any]] = [
     {"elements": [element(damper_law=-2)]},
     {"elements": [element(series=1)]},
     {"elements": [element(slider=1)]},
+    {"elements": [element(flow=1, series=0)]},
+    {"elements": [element(flow=0)]},
     {"elements": [element()], "pairs": [[1, -1]]},
     {"elements": [element()], "pairs": [[0, 1]]},
-    {"springs": [core.RotationalSpring(0, 2, (1.0, 1.0, 1.0))]},
+    {"springs": [core.RotationalSpring(0, 2, (1.0, 1.0, 1.0), (0.0, 0.0, 0.0))]},
     {"torques": [core.Torque(2, 0, False, ONE)]},
     {"torques": [core.Torque(1, 0, False, NONE)]},
     {"forces": [core.Force(0, (0.0, 0.0, 0.0), [ONE, NONE, ONE])]},

@@ -227,6 +227,11 @@ class NumpySuspension:
         return np.array([part.turn for part in self.coordinates.vehicle.elements.values()])
 
     @cached_property
+    def lengths(self) -> Array:
+        """Lengths (e,) m of rods, 0 of other elements."""
+        return np.array([part.length for part in self.coordinates.vehicle.elements.values()])
+
+    @cached_property
     def stiffness(self) -> tuple[Array, tuple[tuple[int, int, ForceLaw], ...]]:
         """Linear stiffness (e, 3) N/m, and force laws with their element and direction."""
         return _split_laws([part.stiffness for part in self.coordinates.vehicle.elements.values()])
@@ -259,11 +264,17 @@ class NumpySuspension:
         axes, axes_rate = self._element_axes(motion)
         deflection = rotate_back(axes, gap)
         deflection_rate = rotate_back(axes, gap_rate - cross(axes_rate, gap))
+        rods = self.lengths > 0.0
+        size = np.linalg.norm(gap, axis=-1)
+        along = gap / np.where(rods, size, 1.0)[..., None]
+        for values, own in ((deflection, size - self.lengths), (deflection_rate, (along * gap_rate).sum(axis=-1))):
+            values[..., rods, :] = 0.0
+            values[..., rods, 0] = own[..., rods]
         element_force, series_rate = self._element_forces(deflection, deflection_rate, series)
-        force = rotate(axes, element_force)
+        force = np.where(rods[:, None], element_force[..., :1] * along, rotate(axes, element_force))
         point = p_lower + (1.0 - self.turn)[:, None] * gap
-        on_upper = cross(point - motion.position[..., upper, :], force)
-        on_lower = cross(point - motion.position[..., lower, :], force)
+        on_upper = cross(np.where(rods[:, None], p_upper, point) - motion.position[..., upper, :], force)
+        on_lower = cross(np.where(rods[:, None], p_lower, point) - motion.position[..., lower, :], force)
         # Bearings transmit no moment about the axle of a wheelset.
         axle = motion.axes[..., 1][..., lower, :]
         wheelset = np.isin(lower, self.coordinates.wheelset_bodies)[:, None]
@@ -320,16 +331,27 @@ class NumpySuspension:
                 force[..., e, j] -= np.clip(spring, -limit, limit)
                 series_rate[..., m] = 0.0
                 continue
+            if kind == "flow":
+                v, w = series[..., m], series[..., self.coordinates.internal["series", e, j]]
+                damper, law = part.surge_exponent[j], part.damping[j]
+                resistance = law(v) if isinstance(law, ForceLaw) else law * np.abs(v) ** damper * np.sign(v)
+                series_rate[..., m] = (part.series_stiffness[j] * w - resistance) / part.surge_mass[j]
+                continue
             spring_force = part.series_stiffness[j] * series[..., m]
             force[..., e, j] -= spring_force
-            series_rate[..., m] = deflection_rate[..., e, j] - _damper_velocity(elements[e].damping[j], spring_force)
+            flow = self.coordinates.internal.get(("flow", e, j))
+            velocity = series[..., flow] if flow is not None else _damper_velocity(part.damping[j], spring_force)
+            series_rate[..., m] = deflection_rate[..., e, j] - velocity
         return force, series_rate
 
     def _rotational_moments(self, motion: BodyMotion) -> Array:
         """Moments (..., n, 3) N m of the rotational springs, which have the potential r.K r / 2 of rotations r."""
         rotation = self.rotations(motion)
         moment = -moment_of_gradient(rotation, self.rotational_stiffness * rotation)
-        lower = self.of.rotational_ends.lower
+        upper, lower = self.of.rotational_ends
+        turning = rotate_back(motion.axes[..., lower, :, :], motion.rate[..., upper, :] - motion.rate[..., lower, :])
+        springs = self.coordinates.vehicle.rotational_springs.values()
+        moment = moment - np.array([part.damping for part in springs]).reshape(-1, 3) * turning
         incidence = incidence_of(self.of.rotational_ends, motion.position.shape[-2])
         return np.asarray(incidence @ rotate(motion.axes[..., lower, :, :], moment))
 

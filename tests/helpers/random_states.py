@@ -21,9 +21,10 @@ from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.loads import AppliedLoads, BodyForce, LoadTable, WheelsetTorque
 from wheelrail.vehicle.multibody.coordinates import X
+from wheelrail.vehicle.multibody.elements import SuspensionElement
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
-from wheelrail.vehicle.multibody.vehicle import SuspensionElement, Vehicle
+from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
@@ -67,6 +68,13 @@ def changed(element: SuspensionElement, kind: str) -> SuspensionElement:
     if kind == "friction" and element.damping[2]:  # about half of the sliders move
         limits: Any = {"friction": (800.0, 5e3, 3e3), "friction_coefficient": (0.3, 0.1, 0.05)}
         return replace(element, **limits, friction_stiffness=(1e6, 5e5, 1e6), series_stiffness=(np.inf, np.inf, 5e6))
+    if kind == "rods, bushings, surge":
+        surge: Any = {"series_stiffness": (np.inf, 4e6, 9e5), "surge_mass": (0.0, 300.0, 700.0)}
+        if element.stiffness[0] == 5e6:  # the traction rod
+            x, y, z = element.point
+            return replace(element, lower_point=(x - 0.7, y + 0.2, z - 0.1), stiffness=(5e6, 0.0, 0.0))
+        if element.damping[2]:
+            return replace(element, damping=(0.0, DAMPER, 2e4), **surge, surge_exponent=(1.0, 1.0, 1.8))
     return element
 
 
@@ -77,6 +85,9 @@ def vehicle(kind: str) -> Vehicle:
     if kind == "held coordinates":
         bodies = {name: replace(body, held=HELD.get(name, ())) for name, body in found.bodies.items()}
         return replace(found, bodies=bodies)
+    if kind == "rods, bushings, surge":
+        springs = {n: replace(s, damping=(3e3, 2e3, 5e3)) for n, s in found.rotational_springs.items()}
+        return replace(found, elements=elements, rotational_springs=springs)
     return replace(found, elements=elements, speed_hold=None if kind == "free speed" else found.speed_hold)
 
 
@@ -102,6 +113,7 @@ KINDS = (
     "Maxwell elements",
     "laws",
     "friction",
+    "rods, bushings, surge",
     "held coordinates",
     "brakes and forces",
     "free speed",

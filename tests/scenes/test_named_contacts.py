@@ -23,8 +23,8 @@ from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.scenes.views.view import bodies_of_scene
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.multibody.elements import InvalidVehicle
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
-from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.simulation.simulate import simulate

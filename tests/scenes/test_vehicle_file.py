@@ -13,7 +13,7 @@ from wheelrail.cli.main import app
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.runs.steady import critical_speed_results
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.vehicle.multibody.vehicle import SuspensionElement
+from wheelrail.vehicle.multibody.elements import SuspensionElement
 from wheelrail.vehicle.steady.critical_speed import CriticalSpeed
 from wheelrail.vehicle.steady.modes import Mode
 from wheelrail.vehicle.wagon.wagon import BOGIE, BUMPSTOP, CAR_BODY, PRIMARY, SECONDARY, WHEELSET

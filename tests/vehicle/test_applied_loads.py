@@ -20,9 +20,10 @@ from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.loads import AppliedLoads, BodyForce, LoadTable, WheelsetTorque
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, X, Y, Z
+from wheelrail.vehicle.multibody.elements import InvalidVehicle
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
-from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
+from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.limits import SLOWEST

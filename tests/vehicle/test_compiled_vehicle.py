@@ -38,7 +38,7 @@ def samples(dynamics: VehicleDynamics) -> list[tuple[float, Array, Array]]:
     return [(t, scale * random.normal(size=size), 1e4 * random.normal(size=(wheelsets, 6))) for t in (0.3, 1.0, 1.8)]
 
 
-KINDS = ("as it is", "turned in part", "Maxwell elements", "laws", "friction")
+KINDS = ("as it is", "turned in part", "Maxwell elements", "laws", "friction", "rods, bushings, surge")
 
 
 @pytest.mark.parametrize("speed", [64, SpeedProfile.through((0, 1), (64, 64))], ids=["number", "profile"])

@@ -18,9 +18,10 @@ from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.loads import AppliedLoads, BodyForce, LoadTable
+from wheelrail.vehicle.multibody.elements import InvalidVehicle, SuspensionElement
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
-from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SuspensionElement, Vehicle, VehicleBody
+from wheelrail.vehicle.multibody.vehicle import Vehicle, VehicleBody
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.history import History
@@ -44,7 +45,11 @@ def on_a_slider(
         "mass": VehicleBody(mass, (500.0, 500.0, 500.0), 0.0, 1.0, held=held),
         "axle": VehicleBody(1500.0, (900.0, 100.0, 900.0), 0.0, 0.46, wheelset=True, held=axle),
     }
-    values = {key: tuple(value if j == direction else 0.0 for j in range(3)) for key, value in element.items()}
+    others = {"series_stiffness": np.inf, "surge_exponent": 1.0}
+    values: dict[str, Any] = {
+        key: tuple(value if j == direction else others.get(key, 0.0) for j in range(3))
+        for key, value in element.items()
+    }
     part = SuspensionElement("mass", "axle", (0.0, 0.0, 1.0), **values)
     loads = AppliedLoads(
         (), (BodyForce("mass", (0.0, 0.0, 1.0), *(force if j == direction else 0.0 for j in range(3))),)

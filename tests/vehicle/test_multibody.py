@@ -21,10 +21,11 @@ from wheelrail.contact.results.result import ContactResult
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.vehicle.integration.integrate import StepSettings, integrate
 from wheelrail.vehicle.multibody.coordinates import PITCH, Coordinates
+from wheelrail.vehicle.multibody.elements import InvalidVehicle, SuspensionElement
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, wheelset_wrenches
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
 from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
-from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, SpeedHold, SuspensionElement, Vehicle, VehicleBody
+from wheelrail.vehicle.multibody.vehicle import SpeedHold, Vehicle, VehicleBody
 from wheelrail.vehicle.simulation.limit_cycle import (
     CycleSearch,
     bisected_fold,

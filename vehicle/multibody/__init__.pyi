@@ -1,9 +1,9 @@
+from .elements import RotationalSpring as RotationalSpring
+from .elements import SuspensionElement as SuspensionElement
 from .equations import VehicleDynamics as VehicleDynamics
 from .plane_wagon import plane_vehicle as plane_vehicle
 from .plane_wagon import wagon_dynamics as wagon_dynamics
-from .vehicle import RotationalSpring as RotationalSpring
 from .vehicle import SpeedHold as SpeedHold
-from .vehicle import SuspensionElement as SuspensionElement
 from .vehicle import Vehicle as Vehicle
 from .vehicle import VehicleBody as VehicleBody
 from .wheel_forces import WheelsetForces as WheelsetForces

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.loads.applied_loads import AppliedLoads
 from wheelrail.vehicle.multibody.coordinates import Coordinates
-from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
+from wheelrail.vehicle.multibody.elements import InvalidVehicle
+from wheelrail.vehicle.multibody.vehicle import Vehicle
 
 LOCKED = 0.05  # m/s at the rim, half the speed at which a run ends: a slower wheel in a friction brake is held
 

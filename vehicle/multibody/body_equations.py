@@ -134,7 +134,7 @@ class BodyEquations:
         return found
 
     def settled(self, travels: tuple[TrackPosition, TrackPosition], states: tuple[Array, Array]) -> tuple[Array, Array]:
-        """State at the end of a step with its sliders drawn along, and errors m of the sliders, (2 c + m + k,) each.
+        """State at the end of a step with sliders drawn along, and errors m of the sliders, (2 c + m + k,) each.
 
         Errors are those of stages, in which deflections that turn back do not draw sliders along.
 
@@ -182,7 +182,7 @@ class BodyEquations:
         return self.coordinates.within_all[len(self.coordinates.free) :] - self.coordinates.held.size
 
     def _in_components(self, rates: Array) -> Array:
-        """Rates (..., c + m) with those of internal variables as components of the state."""
+        """Rates (..., c + m) of the state, of which internal variables are components."""
         if self.coordinates.internal:
             count = len(self.coordinates.free)
             springs = rates[..., count:]

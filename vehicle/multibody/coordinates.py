@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.vehicle import COORDINATES, SuspensionElement, Vehicle
+from wheelrail.vehicle.multibody.elements import SuspensionElement
+from wheelrail.vehicle.multibody.vehicle import COORDINATES, Vehicle
 
 X, Y, Z, ROLL, PITCH, YAW = range(6)
 RATE_SCALE = 100.0  # 1/s, tolerance of a rate over that of its coordinate
@@ -95,22 +96,36 @@ class Coordinates:
         """Element and direction of each slider."""
         return self._where(lambda part, j: part.has_friction(j))
 
+    @cached_property
+    def flows(self) -> tuple[tuple[int, int], ...]:
+        """Element and direction of each Maxwell element with a mass."""
+        return self._where(lambda part, j: part.surge_mass[j] > 0.0)
+
     def _where(self, has: Callable[[SuspensionElement, int], bool]) -> tuple[tuple[int, int], ...]:
         elements = self.vehicle.elements.values()
         return tuple((e, j) for e, part in enumerate(elements) for j in range(3) if has(part, j))
 
     @cached_property
     def internal(self) -> dict[tuple[str, int, int], int]:
-        """Number among the internal variables by kind, element and direction: "series", spring deflections m of Maxwell
-        elements; "slider", deflections m at which springs of sliders are unloaded.
+        """Number among the internal variables by kind, element and direction.
+
+        Kinds are "series", spring deflections m of Maxwell elements; "flow", velocities m/s of masses between their
+        springs and dampers; "slider", deflections m at which springs of sliders are unloaded.
         """
-        kinds = (("series", self.maxwell), ("slider", self.sliders))
+        kinds = (("series", self.maxwell), ("flow", self.flows), ("slider", self.sliders))
         return {(kind, *at): m for m, (kind, at) in enumerate((k, p) for k, places in kinds for p in places)}
 
     @cached_property
     def slider_components(self) -> NDArray[np.int64]:
         """Indices in the state of the components for sliders, which move at the ends of steps only."""
-        numbers = [m for (kind, *_), m in self.internal.items() if kind == "slider"]
+        return self._components("slider")
+
+    @cached_property
+    def _flow_components(self) -> NDArray[np.int64]:
+        return self._components("flow")
+
+    def _components(self, of: str) -> NDArray[np.int64]:
+        numbers = [m for (kind, *_), m in self.internal.items() if kind == of]
         return 2 * self.count + np.array(numbers, dtype=np.int64)
 
     @cached_property
@@ -211,5 +226,6 @@ class Coordinates:
         """
         result = np.full(self.size, float(atol))
         result[self.count : 2 * self.count] *= RATE_SCALE
+        result[self._flow_components] *= RATE_SCALE
         result[self.forceless] = 1e6
         return result

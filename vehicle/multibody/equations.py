@@ -22,10 +22,11 @@ from wheelrail.vehicle.loads.applied_loads import AppliedLoads
 from wheelrail.vehicle.multibody.applied_forces import AppliedForces
 from wheelrail.vehicle.multibody.body_equations import Accelerations, BodyEquations
 from wheelrail.vehicle.multibody.coordinates import PITCH, RATE_SCALE, ROLL, YAW, Coordinates, X, Y, Z
+from wheelrail.vehicle.multibody.elements import InvalidVehicle
 from wheelrail.vehicle.multibody.structures import Structures
 from wheelrail.vehicle.multibody.suspension_arrays import SuspensionArrays
 from wheelrail.vehicle.multibody.twists import Twists
-from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
+from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.track.section_poses import TrackSections
 from wheelrail.vehicle.track.speed_profile import SpeedProfile, TrackPosition
 from wheelrail.vehicle.track.track import Track

@@ -9,9 +9,10 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.vehicle.multibody.elements import RotationalSpring, SuspensionElement
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.vehicle import COORDINATES as ALL
-from wheelrail.vehicle.multibody.vehicle import RotationalSpring, SuspensionElement, Vehicle, VehicleBody
+from wheelrail.vehicle.multibody.vehicle import Vehicle, VehicleBody
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.components import RigidBody, Suspension

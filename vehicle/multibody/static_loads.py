@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from wheelrail.support.arrays import Array
-from wheelrail.vehicle.multibody.vehicle import InvalidVehicle, Vehicle
+from wheelrail.vehicle.multibody.elements import InvalidVehicle
+from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.wagon.force_law import ForceLaw
 
 BALANCED = ("z", "roll", "pitch")

@@ -50,9 +50,11 @@ class SuspensionArrays:
     def arms(self) -> tuple[Array, Array]:
         """Points (e, 3) m of the elements from the centres of their upper and lower bodies, in the bodies' axes."""
         vehicle = self.coordinates.vehicle
-        points = np.array([part.point for part in vehicle.elements.values()]).reshape(-1, 3)
+        parts = vehicle.elements.values()
+        points = np.array([part.point for part in parts]).reshape(-1, 3)
+        lower = np.array([part.point if part.lower_point is None else part.lower_point for part in parts])
         centres = np.array([(body.x, 0.0, body.height) for body in vehicle.bodies.values()])
-        return points - centres[self.ends.upper], points - centres[self.ends.lower]
+        return points - centres[self.ends.upper], lower.reshape(-1, 3) - centres[self.ends.lower]
 
     @cached_property
     def static_loads(self) -> Array:

@@ -6,25 +6,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isfinite
 
-from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
+from wheelrail.vehicle.multibody.elements import InvalidVehicle, RotationalSpring, SuspensionElement, check_numbers
 
 COORDINATES = ("x", "y", "z", "roll", "pitch", "yaw")  # of a body in the track frame at its own distance
 ROUNDED = 1e-3  # of moments of inertia in a file
-
-Laws = tuple[Law, Law, Law]  # along x, y, z
-
-
-class InvalidVehicle(ValueError):
-    """A vehicle that is not valid.
-
-    Parameters:
-        key: of the invalid value, such as "bodies.front_bogie.mass".
-        allowed: what is allowed.
-    """
-
-    def __init__(self, key: str, allowed: str) -> None:
-        super().__init__(f"{key}: {allowed}")
-        self.key, self.allowed = key, allowed
 
 
 @dataclass(frozen=True)
@@ -52,55 +37,6 @@ class VehicleBody:
     held: tuple[str, ...] = ()
     independent: bool = False
     torsion: tuple[float, float] = (0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class SuspensionElement:
-    """Springs, dampers and friction in three directions between two points that coincide in the nominal position.
-
-    Parameters:
-        upper, lower: names of the bodies; the upper one is no wheelset.
-        point: (3,) m, x forward of the vehicle's reference point, y to the left, height above top of rail.
-        stiffness: (3,) N/m, or force laws over deflection m, along the element's axes.
-        damping: (3,) N s/m, or force laws over velocity m/s.
-        series_stiffness: (3,) N/m, of a spring in series with the damper (Maxwell element); inf: rigid.
-        turn: the element's axes turn with the lower body (0), the upper body (1), or in between.
-        friction: (3,) N, force at which a slider moves.
-        friction_coefficient: (3,) the same as a part of the vertical spring force, static load included, in addition.
-        friction_stiffness: (3,) N/m, of a spring in series with the slider.
-
-    Deflections are those of the upper point relative to the lower one. The law of a vertical spring gives the change of
-    force from the static load, see `static_loads`.
-    """
-
-    upper: str
-    lower: str
-    point: tuple[float, float, float]
-    stiffness: Laws = (0.0, 0.0, 0.0)
-    damping: Laws = (0.0, 0.0, 0.0)
-    series_stiffness: tuple[float, float, float] = (inf, inf, inf)
-    turn: float = 0.0
-    friction: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    friction_coefficient: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    friction_stiffness: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    def has_friction(self, direction: int) -> bool:
-        """Whether there is a slider along x (0), y (1), z (2)."""
-        return self.friction[direction] > 0.0 or self.friction_coefficient[direction] > 0.0
-
-
-@dataclass(frozen=True)
-class RotationalSpring:
-    """Moments between two bodies proportional to their relative rotation, as of a roll bar.
-
-    Parameters:
-        upper, lower: names of the bodies.
-        stiffness: (3,) N m/rad about the axes of the lower body.
-    """
-
-    upper: str
-    lower: str
-    stiffness: tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -148,10 +84,11 @@ class Vehicle:
             if self.bodies[name].height != self.radius:
                 raise InvalidVehicle(f"bodies.{name}.height", f"must be {self.radius:g} m as of the first wheelset")
         for name, element in self.elements.items():
-            self._check_element(f"elements.{name}", element)
+            self._check_pair(f"elements.{name}", element.upper, element.lower)
+            element.check(f"elements.{name}")
         for name, spring in self.rotational_springs.items():
             self._check_pair(f"rotational_springs.{name}", spring.upper, spring.lower)
-            _check_numbers(f"rotational_springs.{name}.stiffness", spring.stiffness)
+            spring.check(f"rotational_springs.{name}")
         self._check_connected()
         self._check_rest()
 
@@ -191,10 +128,7 @@ class Vehicle:
         for e, element in enumerate(elements):
             if any(e in pair for pair in pairs):
                 continue
-            x, y, z = element.point
-            laws = (element.stiffness, element.damping)
-            stiffness, damping = ((along, _mirrored(across), up) for along, across, up in laws)
-            image = replace(element, point=(x, -y, z), stiffness=stiffness, damping=damping)
+            image = element.mirrored
             images = [i for i, other in enumerate(elements) if i > e and other == image]
             pairs.append((e, images[0] if images else -1))
         return tuple(pairs)
@@ -202,34 +136,9 @@ class Vehicle:
     @property
     def turned(self) -> Vehicle:
         """The vehicle turned end for end, with the names of its bodies."""
-        elements = {}
-        for name, own in self.elements.items():
-            x, y, z = own.point
-            laws = own.stiffness, own.damping
-            stiffness, damping = ((_mirrored(along), _mirrored(across), up) for along, across, up in laws)
-            elements[name] = replace(own, point=(-x, -y, z), stiffness=stiffness, damping=damping)
+        elements = {name: element.turned for name, element in self.elements.items()}
         bodies = {name: replace(body, x=-body.x) for name, body in self.bodies.items()}
         return replace(self, bodies=bodies, elements=elements)
-
-    def _check_element(self, key: str, element: SuspensionElement) -> None:
-        self._check_pair(key, element.upper, element.lower)
-        if not all(isfinite(value) for value in element.point):
-            raise InvalidVehicle(f"{key}.point", "must be three finite numbers, m")
-        for part in ("stiffness", "damping"):
-            laws = getattr(element, part)
-            _check_numbers(f"{key}.{part}", tuple(law for law in laws if not isinstance(law, ForceLaw)))
-        for part in ("friction", "friction_coefficient", "friction_stiffness"):
-            _check_numbers(f"{key}.{part}", getattr(element, part))
-        for direction, stiffness in enumerate(element.friction_stiffness):
-            if element.has_friction(direction) != (stiffness > 0.0):
-                raise InvalidVehicle(f"{key}.friction_stiffness", "must be positive where there is friction, else zero")
-        if not 0.0 <= element.turn <= 1.0:
-            raise InvalidVehicle(f"{key}.turn", "must be from 0 to 1")
-        for series, damping in zip(element.series_stiffness, element.damping, strict=True):
-            increasing = damping.increasing if isinstance(damping, ForceLaw) else damping > 0.0
-            if not (series == inf or (isfinite(series) and series > 0.0 and increasing)):
-                text = "must be inf, or positive with a damper whose force increases strictly with the velocity"
-                raise InvalidVehicle(f"{key}.series_stiffness", text)
 
     def _check_pair(self, key: str, upper: str, lower: str) -> None:
         for end, name in (("upper", upper), ("lower", lower)):
@@ -253,7 +162,7 @@ class Vehicle:
         if self.speed_hold is not None:
             if self.speed_hold.body not in self.bodies:
                 raise InvalidVehicle("speed_hold.body", f"must be one of {', '.join(self.bodies)}")
-            _check_numbers("speed_hold", (self.speed_hold.stiffness, self.speed_hold.damping))
+            check_numbers("speed_hold", (self.speed_hold.stiffness, self.speed_hold.damping))
         for key in ("wheel_y", "gravity"):
             if not 0.0 < getattr(self, key) < inf:
                 raise InvalidVehicle(key, "must be positive and finite")
@@ -280,13 +189,3 @@ def _check_body(key: str, body: VehicleBody) -> None:
         raise InvalidVehicle(f"{key}.inertia", text)
     if body.wheelset and "yaw" not in body.held and body.inertia[0] != body.inertia[2]:
         raise InvalidVehicle(f"{key}.inertia", "of a wheelset must be equal about x and z: a body of revolution")
-
-
-def _mirrored(law: Law) -> Law:
-    """Law of an element along an axis that is reversed."""
-    return law.mirrored if isinstance(law, ForceLaw) else law
-
-
-def _check_numbers(key: str, values: tuple[float, ...]) -> None:
-    if not all(0.0 <= value < inf for value in values):
-        raise InvalidVehicle(key, "must be zero or positive and finite")

@@ -44,24 +44,26 @@ def vehicle_core(suspension: SuspensionArrays, sections: TrackSections, applied:
     def direction(e: int, j: int) -> core.Direction:
         part, m = elements[e], coordinates.internal.get(("series", e, j), -1)
         damping = part.damping[j]
-        law = damping.inverse if m >= 0 and isinstance(damping, ForceLaw) else damping
+        inverse = m >= 0 and part.surge_mass[j] == 0.0  # of Maxwell elements without mass the velocity over the force
+        law = damping.inverse if inverse and isinstance(damping, ForceLaw) else damping
         series = float(part.series_stiffness[j]) if m >= 0 else 0.0
         numbers = index(part.stiffness[j]), index(law)
-        return core.Direction(linear(part.stiffness[j]), linear(damping), *numbers, m, series, friction(e, j))
+        surge = core.Surge(coordinates.internal.get(("flow", e, j), -1), part.surge_mass[j], part.surge_exponent[j])
+        return core.Direction(linear(part.stiffness[j]), linear(damping), *numbers, m, series, friction(e, j), surge)
 
     elements, (upper_arms, lower_arms) = list(vehicle.elements.values()), suspension.arms
     return core.Vehicle(
         track=sections.core,
         bodies=[core.Body(b.x, b.height, b.mass, b.inertia, b.wheelset, held)
                 for b, held in zip(vehicle.bodies.values(), (coordinates.held == 1).tolist(), strict=True)],
-        elements=[core.Element(upper, lower, upper_arm, lower_arm, float(part.turn), load,
+        elements=[core.Element(upper, lower, upper_arm, lower_arm, float(part.turn), load, part.length,
                                [direction(e, j) for j in range(3)])
                   for e, (part, upper, lower, upper_arm, lower_arm, load) in enumerate(zip(
                       elements, suspension.ends.upper.tolist(), suspension.ends.lower.tolist(), upper_arms.tolist(),
                       lower_arms.tolist(), suspension.static_loads.tolist(), strict=True))],
         laws=laws,
         pairs=[list(pair) for pair in vehicle.mirror_pairs],
-        springs=[core.RotationalSpring(upper, lower, part.stiffness) for part, upper, lower in zip(
+        springs=[core.RotationalSpring(upper, lower, part.stiffness, part.damping) for part, upper, lower in zip(
             vehicle.rotational_springs.values(), suspension.rotational_ends.upper.tolist(),
             suspension.rotational_ends.lower.tolist(), strict=True)],
         torques=[core.Torque(i, j, part.brake, _table(LoadTable.of(part.torque))) for part, i, j in zip(

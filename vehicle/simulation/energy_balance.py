@@ -102,7 +102,7 @@ def _friction_work(history: History) -> Array:
     """Work (n,) J of friction since the first row: mean limits of both rows times what the sliders moved between."""
     d = history.dynamics
     limits = np.array([d.bodies.friction_limits(d.speed_profile(row.time), row.state) for row in history.rows])
-    slips = np.abs(np.diff(history.series[:, len(d.coordinates.maxwell) :], axis=0))
+    slips = np.abs(np.diff(history.series[:, -len(d.coordinates.sliders) :], axis=0))
     return np.append(0.0, -np.cumsum((0.5 * (limits[1:] + limits[:-1]) * slips).sum(axis=1)))
 
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.coordinates import PITCH, ROLL, YAW, Coordinates, X, Z
-from wheelrail.vehicle.multibody.vehicle import COORDINATES, InvalidVehicle, Vehicle
+from wheelrail.vehicle.multibody.elements import InvalidVehicle
+from wheelrail.vehicle.multibody.vehicle import COORDINATES, Vehicle
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 SLACK = 1e-12  # stiffness of a free motion, over the largest one: round-off
@@ -22,7 +23,7 @@ def require_held(vehicle: Vehicle) -> None:
         vehicle: of which rails hold the wheelsets but for x, and a speed hold the heaviest body along the track.
 
     A body is free where the stiffness matrix of springs, loads aside, is singular. Springs in series with dampers hold
-    nothing at rest; force laws count with their steepest piece.
+    nothing at rest; force laws count with their steepest piece, friction sticks.
     """
     coordinates = Coordinates(vehicle)
     unknown = [i for i in coordinates.free.tolist() if i % 6 == X or i // 6 not in coordinates.wheelset_bodies]
@@ -45,13 +46,17 @@ def _stiffness(vehicle: Vehicle) -> Array:
     result[along, along] = 1e6
     for element in vehicle.elements.values():
         moved = np.zeros((3, 6 * len(names)))
-        for name, sign in ((element.upper, 1.0), (element.lower, -1.0)):
+        lower = element.point if element.lower_point is None else element.lower_point
+        for name, sign, point in ((element.upper, 1.0, element.point), (element.lower, -1.0, lower)):
             body, first = bodies[name], 6 * names.index(name)
-            arm = np.array(element.point) - (body.x, 0.0, body.height)
+            arm = np.array(point) - (body.x, 0.0, body.height)
             moved[:, first + X : first + Z + 1] += sign * np.eye(3)
             for axis, rotation in enumerate((ROLL, PITCH, YAW)):
                 moved[:, first + rotation] += sign * np.cross(np.eye(3)[axis], arm)
-        result += moved.T @ (np.array([_steepest(law) for law in element.stiffness])[:, None] * moved)
+        if element.lower_point is not None:
+            moved[:1] = (np.array(element.point) - lower) / element.length @ moved
+        stiffness = np.array([_steepest(law) for law in element.stiffness]) + element.friction_stiffness
+        result += moved.T @ (stiffness[:, None] * moved)
     for spring in vehicle.rotational_springs.values():
         turned = np.zeros((3, 6 * len(names)))
         for name, sign in ((spring.upper, 1.0), (spring.lower, -1.0)):

@@ -78,12 +78,14 @@ struct VehicleDerivatives {
     using Loaded = Dual<Vehicle::WITH_LOAD>;
 
     const Vehicle& vehicle;
+    const double* const state;
     const int n, wide;
     std::vector<double> by_state, by_time, by_wrench;  // (6 n + m, 12 n + m), (6 n + m,), (n, 6, 6)
 
     VehicleDerivatives(const Vehicle& vehicle, const Travel<double>& travel, const Travel<double>& rates,
                        const double* state, const double* contacts)
         : vehicle(vehicle),
+          state(state),
           n(vehicle.count()),
           wide(vehicle.states()),
           by_state(std::size_t(vehicle.accelerated()) * wide),
@@ -120,9 +122,21 @@ struct VehicleDerivatives {
             for (int d = 0; d < OWN; ++d)
                 slope(row, e.upper, d) += rates[j]->d[d], slope(row, e.lower, d) += rates[j]->d[OWN + d];
             by_state[std::size_t(row) * wide + 12 * n + m] = rates[j]->d[PAIR + j];
+            add_surge(e.directions[j]);
             total.add_series(e.upper, m, PAIR + j, 1.0, s.force, s.on_upper);
             total.add_series(e.lower, m, PAIR + j, -1.0, s.force, s.on_lower);
         }
+    }
+
+    void add_surge(const Direction& d) {
+        int m = d.series, v = d.surge.flow;
+        if (v < 0) return;
+        const double* own = state + 12 * n;
+        auto rate = vehicle.surge_rate(d, variable<Dual<2>>(own[m], 0), variable<Dual<2>>(own[v], 1));
+        auto at = [&](int row, int column) -> double& {
+            return by_state[std::size_t(6 * n + row) * wide + 12 * n + column];
+        };
+        at(m, v) = -1.0, at(v, m) = rate.d[0], at(v, v) = rate.d[1];
     }
 
     void add_loads(const std::vector<BodyState<One>>& all, WrenchSlopes& total) const {

@@ -15,11 +15,15 @@ struct EnergyRates {
 };
 
 inline void add_direction(const Vehicle& vehicle, const Direction& d, double x, double rate, double series,
-                          double series_rate, EnergyRates& sum) {
+                          double series_rate, double flow, EnergyRates& sum) {
     sum.elastic += 0.5 * d.spring * x * x + (d.spring_law >= 0 ? vehicle.laws[d.spring_law].energy(x) : 0.0);
     if (d.series >= 0) {
         double tension = d.series_stiffness * series;
-        sum.elastic += 0.5 * tension * series, sum.dampers -= tension * (rate - series_rate);
+        sum.elastic += 0.5 * tension * series;
+        if (d.surge.flow >= 0)
+            sum.kinetic += 0.5 * d.surge.mass * flow * flow, sum.dampers -= surge_force(d, vehicle.laws, flow) * flow;
+        else
+            sum.dampers -= tension * (rate - series_rate);
     } else {
         sum.dampers -= (d.damper_law >= 0 ? vehicle.laws[d.damper_law](rate) : d.damper * rate) * rate;
     }
@@ -38,19 +42,22 @@ inline void add_suspension(const Vehicle& vehicle, const std::vector<BodyState<d
         const auto &upper = all[e.upper].motion, &lower = all[e.lower].motion;
         auto internal = vehicle.internal_of<double>(e, state);
         auto s = element_state(e, vehicle.laws, upper, lower, vehicle.bodies[e.lower].wheelset, internal);
-        const auto& [series, slider] = internal;
+        const auto& [series, slider, flow] = internal;
         const auto& [x, rate, turning] = std::tie(s.deflection, s.deflection_rate, s.series_rate);
-        add_direction(vehicle, e.directions[0], x.x, rate.x, series.x, turning.x, sum);
-        add_direction(vehicle, e.directions[1], x.y, rate.y, series.y, turning.y, sum);
-        add_direction(vehicle, e.directions[2], x.z, rate.z, series.z, turning.z, sum);
+        add_direction(vehicle, e.directions[0], x.x, rate.x, series.x, turning.x, flow.x, sum);
+        add_direction(vehicle, e.directions[1], x.y, rate.y, series.y, turning.y, flow.y, sum);
+        add_direction(vehicle, e.directions[2], x.z, rate.z, series.z, turning.z, flow.z, sum);
         add_friction(e.directions[0].friction, x.x, rate.x, slider.x, s.friction_limit.x, sum);
         add_friction(e.directions[1].friction, x.y, rate.y, slider.y, s.friction_limit.y, sum);
         add_friction(e.directions[2].friction, x.z, rate.z, slider.z, s.friction_limit.z, sum);
         sum.elastic -= e.static_load * x.z;
     }
     for (const auto& spring : vehicle.springs) {
-        auto turned = rotation_vector(relative(all[spring.lower].motion.axes, all[spring.upper].motion.axes));
+        const auto &upper = all[spring.upper].motion, &lower = all[spring.lower].motion;
+        auto turned = rotation_vector(relative(lower.axes, upper.axes)),
+             rate = back(lower.axes, upper.rate - lower.rate);
         sum.elastic += 0.5 * dot(turned, times(spring.stiffness, turned));
+        sum.dampers -= dot(rate, times(spring.damping, rate));
     }
 }
 

@@ -45,6 +45,13 @@ struct Friction {
     double share;      // of the vertical spring force of the element, in addition
 };
 
+// Mass that moves with the damper of a Maxwell element, as air in the surge pipe of an air spring.
+struct Surge {
+    int flow;         // number of the internal variable, the velocity m/s of the mass; -1: none
+    double mass;      // kg
+    double exponent;  // of the velocity in the force of the damper
+};
+
 // Spring and damper along an axis of an element; in series with a spring the damper is a Maxwell element.
 struct Direction {
     double spring, damper;       // N/m and N s/m; 0 where there is a law
@@ -52,6 +59,7 @@ struct Direction {
     int series;                  // number of the Maxwell element; -1: none
     double series_stiffness;     // N/m
     Friction friction;
+    Surge surge;
 };
 
 struct Element {
@@ -59,20 +67,33 @@ struct Element {
     Vec<double> upper_arm, lower_arm;  // m, of the points from the bodies' centres, in their axes
     double turn;                       // part of the rotation from the lower to the upper body that the axes make
     double static_load;                // N
+    double length;                     // m, of a rod between two points, along which directions[0] acts; 0: none
     std::array<Direction, 3> directions;
 };
 
 struct RotationalSpring {
     int upper, lower;
-    Vec<double> stiffness;  // N m/rad
+    Vec<double> stiffness, damping;  // N m/rad and N m s/rad
 };
 
-// Internal variables of an element by direction: spring deflections m of Maxwell elements, and places m of sliders.
+// Internal variables of an element by direction: spring deflections m of Maxwell elements, places m of sliders, and
+// velocities m/s of surging masses.
 template <class T>
 struct Internal {
     Vec<T> series;
-    Vec<double> slider;
+    Vec<double> slider, flow;
 };
+
+// Force N of a damper that moves a mass, at its velocity m/s.
+template <class T>
+T surge_force(const Direction& d, const std::vector<Law>& laws, const T& velocity) {
+    using std::pow;
+    if (d.damper_law >= 0) return laws[d.damper_law](velocity);
+    if (d.surge.exponent == 1.0 || value(velocity) == 0.0)
+        return d.surge.exponent == 1.0 ? d.damper * velocity : T(0.0);
+    return value(velocity) > 0.0 ? d.damper * pow(velocity, d.surge.exponent)
+                                 : -(d.damper * pow(-velocity, d.surge.exponent));
+}
 
 // An element in motion: deflection m, its rate m/s and the force N on the upper body in its own axes, with the rates
 // m/s of its Maxwell elements' springs and the largest friction N; force N on the upper body and moments N m about both
@@ -104,13 +125,16 @@ T friction_force(const Friction& f, const T& x, const T& rate, double slider, co
 
 template <class T>
 T direction_force(const Direction& d, const std::vector<Law>& laws, const T& x, const T& rate, const T& series,
-                  T& series_rate) {
+                  double flow, T& series_rate) {
     T force = -d.spring * x;
     if (d.series < 0) force -= d.damper * rate;
     if (d.spring_law >= 0) force -= laws[d.spring_law](x);
     if (d.series < 0) return d.damper_law >= 0 ? force - laws[d.damper_law](rate) : force;
     T tension = d.series_stiffness * series;
-    series_rate = rate - (d.damper_law >= 0 ? laws[d.damper_law](tension) : tension / d.damper);
+    if (d.surge.flow >= 0)
+        series_rate = rate - flow;
+    else
+        series_rate = rate - (d.damper_law >= 0 ? laws[d.damper_law](tension) : tension / d.damper);
     return force - tension;
 }
 
@@ -132,37 +156,67 @@ void add_friction(const Element& e, const std::vector<Law>& laws, const Vec<doub
     add(2, x.z, rate.z, slider.z, s.friction_limit.z, s.own_force.z);
 }
 
+// Bearings transmit no moment about the axle of a wheelset.
+template <class T>
+void without_bearing_moment(const Motion<T>& lower, bool wheelset, Vec<T>& on_lower) {
+    if (wheelset) on_lower = on_lower - dot(on_lower, lower.axes.y) * lower.axes.y;
+}
+
+// A rod: its length between the points less the nominal one is the deflection.
+template <class T>
+void along_line(const Element& e, const std::vector<Law>& laws, const Vec<T>& gap, const Vec<T>& gap_rate,
+                const Internal<T>& internal, ElementState<T>& s) {
+    using std::sqrt;
+    T size = sqrt(dot(gap, gap));
+    auto along = (1.0 / size) * gap;
+    s.deflection.x = size - e.length, s.deflection_rate.x = dot(along, gap_rate);
+    s.own_force.x = direction_force(e.directions[0], laws, s.deflection.x, s.deflection_rate.x, internal.series.x,
+                                    internal.flow.x, s.series_rate.x);
+    add_friction(e, laws, internal.slider, s);
+    s.force = s.own_force.x * along;
+}
+
 template <class T>
 ElementState<T> element_state(const Element& e, const std::vector<Law>& laws, const Motion<T>& upper,
                               const Motion<T>& lower, bool wheelset, const Internal<T>& internal) {
     auto on_upper = upper.axes * e.upper_arm, on_lower = lower.axes * e.lower_arm;
     auto place = lower.position + on_lower, gap = upper.position + on_upper - place;
     auto gap_rate = upper.velocity + cross(upper.rate, on_upper) - (lower.velocity + cross(lower.rate, on_lower));
+    if (e.length > 0.0) {
+        ElementState<T> s{};
+        along_line(e, laws, gap, gap_rate, internal, s);
+        s.on_upper = cross(on_upper, s.force), s.on_lower = cross(on_lower, s.force);
+        without_bearing_moment(lower, wheelset, s.on_lower);
+        return s;
+    }
     auto axes = e.turn == 0.0 ? lower.axes
                 : e.turn == 1.0
                     ? upper.axes
                     : lower.axes * rotation_matrix(e.turn * rotation_vector(relative(lower.axes, upper.axes)));
     auto axes_rate = (1.0 - e.turn) * lower.rate + e.turn * upper.rate;
     auto x = back(axes, gap), rate = back(axes, gap_rate - cross(axes_rate, gap));
-    const auto& series = internal.series;
+    const auto &series = internal.series, &d = e.directions;
+    const auto& flow = internal.flow;
     ElementState<T> s{x, rate, {}, {}, {}, {}, {}, {}};
-    s.own_force = {direction_force(e.directions[0], laws, x.x, rate.x, series.x, s.series_rate.x),
-                   direction_force(e.directions[1], laws, x.y, rate.y, series.y, s.series_rate.y),
-                   direction_force(e.directions[2], laws, x.z, rate.z, series.z, s.series_rate.z) + e.static_load};
+    s.own_force = {direction_force(d[0], laws, x.x, rate.x, series.x, flow.x, s.series_rate.x),
+                   direction_force(d[1], laws, x.y, rate.y, series.y, flow.y, s.series_rate.y),
+                   direction_force(d[2], laws, x.z, rate.z, series.z, flow.z, s.series_rate.z) + e.static_load};
     add_friction(e, laws, internal.slider, s);
     s.force = axes * s.own_force;
     auto point = place + (1.0 - e.turn) * gap;
     s.on_upper = cross(point - upper.position, s.force), s.on_lower = cross(point - lower.position, s.force);
-    // Bearings transmit no moment about the axle of a wheelset.
-    if (wheelset) s.on_lower = s.on_lower - dot(s.on_lower, lower.axes.y) * lower.axes.y;
+    without_bearing_moment(lower, wheelset, s.on_lower);
     return s;
 }
 
-// Moment N m on the upper body, in common axes, of the potential r.K r / 2 of rotation vectors r.
+// Moment N m on the upper body, in common axes, of the potential r.K r / 2 of rotation vectors r, and of dampers.
 template <class T>
 Vec<T> spring_moment(const RotationalSpring& spring, const Motion<T>& upper, const Motion<T>& lower) {
     auto turned = rotation_vector(relative(lower.axes, upper.axes));
-    return lower.axes * (-1.0 * moment_of_gradient(turned, times(spring.stiffness, turned)));
+    auto moment = lower.axes * (-1.0 * moment_of_gradient(turned, times(spring.stiffness, turned)));
+    const auto& c = spring.damping;
+    if (c.x == 0.0 && c.y == 0.0 && c.z == 0.0) return moment;
+    return moment - lower.axes * times(c, back(lower.axes, upper.rate - lower.rate));
 }
 
 }  // namespace wr

@@ -89,7 +89,11 @@ struct Vehicle {
             int m = e.directions[j].friction.slider;
             return m < 0 ? 0.0 : own[m];
         };
-        return {{series(0), series(1), series(2)}, {slider(0), slider(1), slider(2)}};
+        auto flow = [&](int j) {
+            int m = e.directions[j].surge.flow;
+            return m < 0 ? 0.0 : own[m];
+        };
+        return {{series(0), series(1), series(2)}, {slider(0), slider(1), slider(2)}, {flow(0), flow(1), flow(2)}};
     }
 
     // Calls `act(upper, lower, force, on_upper, on_lower)` for forces and moments between two bodies in common axes,
@@ -174,7 +178,7 @@ struct Vehicle {
             [&](int u, int l, const auto& force, const auto& on_upper, const auto& on_lower) {
                 total[u].add(force, on_upper), total[l].add(-1.0 * force, -1.0 * on_lower);
             },
-            [&](const Element& e, const ElementState<double>& s) { store_series(e, s.series_rate, series_rates); });
+            [&](const Element& e, const ElementState<double>& s) { store_rates(e, s, state, series_rates); });
         auto applied = loads(all);
         for (int i = 0; i < count(); ++i) total[i].add(applied[i].force, applied[i].moment);
         return total;
@@ -193,10 +197,19 @@ struct Vehicle {
         }
     }
 
-    static void store_series(const Element& e, const Vec<double>& rates, double* results) {
-        const double values[] = {rates.x, rates.y, rates.z};
-        for (int j = 0; j < 3; ++j)
-            if (int m = e.directions[j].series; m >= 0) results[m] = values[j];
+    // Acceleration m/s2 of a surging mass at its velocity m/s, moved by its spring at a deflection m.
+    template <class T>
+    T surge_rate(const Direction& d, const T& deflection, const T& velocity) const {
+        return (d.series_stiffness * deflection - surge_force(d, laws, velocity)) / d.surge.mass;
+    }
+
+    void store_rates(const Element& e, const ElementState<double>& s, const double* state, double* results) const {
+        const double values[] = {s.series_rate.x, s.series_rate.y, s.series_rate.z}, *own = state + 12 * count();
+        for (int j = 0; j < 3; ++j) {
+            const auto& d = e.directions[j];
+            if (d.series >= 0) results[d.series] = values[j];
+            if (d.surge.flow >= 0) results[d.surge.flow] = surge_rate(d, own[d.series], own[d.surge.flow]);
+        }
     }
 };
 

@@ -62,7 +62,7 @@ def _check(key: str, loads: AppliedLoads, vehicle: Vehicle) -> None:
     """Raises SceneError for torques and forces, of one table of a scene, that do not fit a vehicle."""
     from wheelrail.vehicle.multibody.applied_forces import AppliedForces
     from wheelrail.vehicle.multibody.coordinates import Coordinates
-    from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
+    from wheelrail.vehicle.multibody.elements import InvalidVehicle
 
     try:
         AppliedForces(Coordinates(vehicle), loads)

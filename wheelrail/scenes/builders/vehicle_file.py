@@ -16,9 +16,16 @@ from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.scenes.schema.toml import parse, read_text
 
 if TYPE_CHECKING:
-    from wheelrail.vehicle.multibody.vehicle import Laws, SuspensionElement, Vehicle
+    from wheelrail.vehicle.multibody.elements import Laws, SuspensionElement
+    from wheelrail.vehicle.multibody.vehicle import Vehicle
 
 MANCHESTER = Path(__file__).parents[1] / "examples" / "manchester_vehicle.toml"
+
+# Keys of an element that are those of `SuspensionElement`.
+ELEMENT_VALUES = {
+    "upper", "lower", "series_stiffness", "turn", "friction", "friction_coefficient", "friction_stiffness",
+    "surge_mass", "surge_exponent",
+}  # fmt: skip
 
 Mass = Annotated[q.Finite, q.Range(1.0, 1e6, "kg", "1 t is 1000", usual=(100.0, 2e5))]
 Inertia = Annotated[q.Finite, q.Range(1.0, 1e9, "kg m2")]
@@ -34,6 +41,9 @@ Series = Annotated[float, Strict(), AllowInfNan(True), q.Range(1e3, inf, "N/m, i
 Friction = Annotated[q.Finite, q.Range(0.0, 1e7, "N, at which a slider moves")]
 FrictionCoefficient = Annotated[q.Finite, q.Range(0.0, 10.0, "of the vertical spring force, in addition to friction")]
 FrictionStiffness = Annotated[q.Finite, q.Range(0.0, 1e11, "N/m, in series with the slider")]
+SurgeMass = Annotated[q.Finite, q.Range(0.0, 1e6, "kg, between damper and series_stiffness")]
+Exponent = Annotated[q.Finite, q.Range(1.0, 3.0, "of the velocity of surge_mass in the force of the damper")]
+RotationalDamping = Annotated[q.Finite, q.Range(0.0, 1e9, "N m s/rad")]
 Rotational = Annotated[q.Finite, q.Range(0.0, 1e10, "N m/rad")]
 TorsionDamping = Annotated[q.Finite, q.Range(0.0, 1e9, "N m s/rad")]
 
@@ -58,8 +68,28 @@ class VehicleBodyTable(SceneTable):
     held: Annotated[tuple[Coordinate, ...], Strict(False)] = ()
 
 
+class AirSpringTable(SceneTable):
+    """Air spring on a reservoir behind a pipe, which adds to the vertical values of an element.
+
+    Absolute pressure, Pa, effective area, m2, volumes, m3, length, m, and area, m2, of the pipe, and its loss of
+    pressure over the dynamic pressure.
+    """
+
+    pressure: Annotated[q.Finite, q.Range(1e5, 2e6, "Pa, absolute")]
+    area: Annotated[q.Finite, q.Range(1e-3, 2.0, "m2")]
+    volume: Annotated[q.Finite, q.Range(1e-4, 1.0, "m3, of the bag")]
+    reservoir: Annotated[q.Finite, q.Range(1e-4, 2.0, "m3")]
+    pipe_length: Annotated[q.Finite, q.Range(0.01, 20.0, "m")]
+    pipe_area: Annotated[q.Finite, q.Range(1e-6, 0.1, "m2")]
+    loss: Annotated[q.Finite, q.Range(0.0, 1e4, "of pressure, over the dynamic pressure in the pipe")]
+
+
 class ElementTable(SceneTable):
-    """Equal springs and dampers between two bodies, one at each point, m; values along x, y and z."""
+    """Equal springs and dampers between two bodies, one at each point, m; values along x, y and z.
+
+    Rods go from a point of `lower_points` to one of `points`; their first values act along them. A bushing has moments,
+    N m/rad and N m s/rad about the axes of the lower body, too.
+    """
 
     upper: str
     lower: str
@@ -85,14 +115,25 @@ class ElementTable(SceneTable):
         0.0,
         0.0,
     )
+    surge_mass: Annotated[tuple[SurgeMass, SurgeMass, SurgeMass], Strict(False)] = (0.0, 0.0, 0.0)
+    surge_exponent: Annotated[tuple[Exponent, Exponent, Exponent], Strict(False)] = (1.0, 1.0, 1.0)
+    lower_points: Annotated[tuple[Point, ...], Strict(False), q.AtMost(1000)] = ()
+    rotational_stiffness: Annotated[tuple[Rotational, Rotational, Rotational], Strict(False)] = (0.0, 0.0, 0.0)
+    rotational_damping: Annotated[tuple[RotationalDamping, RotationalDamping, RotationalDamping], Strict(False)] = (
+        0.0,
+        0.0,
+        0.0,
+    )
+    air_spring: AirSpringTable | None = None
 
 
 class RotationalSpringTable(SceneTable):
-    """Moments about the axes of the lower body proportional to the relative rotation, N m/rad about x, y and z."""
+    """Moments about the axes of the lower body, N m/rad and N m s/rad about x, y and z."""
 
     upper: str
     lower: str
     stiffness: Annotated[tuple[Rotational, Rotational, Rotational], Strict(False)]
+    damping: Annotated[tuple[RotationalDamping, RotationalDamping, RotationalDamping], Strict(False)] = (0.0, 0.0, 0.0)
 
 
 class SpeedHoldTable(SceneTable):
@@ -135,8 +176,8 @@ def parse_vehicle(text: str, path: str | Path, *, warn: bool = False) -> Vehicle
 
     Raises SceneError as `load_vehicle`.
     """
+    from wheelrail.vehicle.multibody.elements import InvalidVehicle
     from wheelrail.vehicle.multibody.static_loads import static_loads
-    from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
     from wheelrail.vehicle.steady.held_bodies import require_held
 
     data = _with_types(parse(text, path), path)
@@ -178,16 +219,24 @@ def _filled(place: str, entry: Any, types: Mapping[str, Mapping[str, Any]]) -> A
 
 def _vehicle(table: VehicleFileTable) -> Vehicle:
     """Raises InvalidVehicle."""
-    from wheelrail.vehicle.multibody.vehicle import RotationalSpring, SpeedHold, Vehicle, VehicleBody
+    from wheelrail.vehicle.multibody.elements import InvalidVehicle, RotationalSpring
+    from wheelrail.vehicle.multibody.vehicle import SpeedHold, Vehicle, VehicleBody
 
     elements: dict[str, SuspensionElement] = {}
+    springs = {name: RotationalSpring(**s.model_dump()) for name, s in table.rotational_springs.items()}
     for name, entry in table.elements.items():
-        elements |= _elements(name, entry)
+        own = _elements(name, entry)
+        elements |= own
+        turning = entry.rotational_stiffness, entry.rotational_damping
+        if any(map(any, turning)):
+            if clash := set(own) & set(springs):
+                raise InvalidVehicle(f"rotational_springs.{min(clash)}", f"must not be named as elements.{name}")
+            springs |= {each: RotationalSpring(entry.upper, entry.lower, *turning) for each in own}
     hold = table.speed_hold
     return Vehicle(
         bodies={name: VehicleBody(**body.model_dump()) for name, body in table.bodies.items()},
         elements=elements,
-        rotational_springs={name: RotationalSpring(**s.model_dump()) for name, s in table.rotational_springs.items()},
+        rotational_springs=springs,
         speed_hold=None if hold is None else SpeedHold(**hold.model_dump()),
         wheel_y=table.wheel_y,
         gravity=table.gravity,
@@ -196,18 +245,42 @@ def _vehicle(table: VehicleFileTable) -> Vehicle:
 
 def _elements(name: str, entry: ElementTable) -> dict[str, SuspensionElement]:
     """One element for each point, numbered from 1 where there are several. Raises InvalidVehicle."""
-    from wheelrail.vehicle.multibody.vehicle import SuspensionElement
+    from wheelrail.vehicle.multibody.elements import InvalidVehicle, SuspensionElement
 
     names = [name] if len(entry.points) == 1 else [f"{name}_{i}" for i in range(1, len(entry.points) + 1)]
-    stiffness = _laws(f"elements.{name}.stiffness", entry.stiffness)
-    damping = _laws(f"elements.{name}.damping", entry.damping)
-    values = entry.model_dump(exclude={"points"}) | {"stiffness": stiffness, "damping": damping}
-    return {each: SuspensionElement(point=point, **values) for each, point in zip(names, entry.points, strict=True)}
+    lower = entry.lower_points or (None,) * len(names)
+    if len(lower) != len(names):
+        raise InvalidVehicle(f"elements.{name}.lower_points", f"must be as many as points, {len(names)}")
+    values = entry.model_dump(include=ELEMENT_VALUES)
+    values["stiffness"] = _laws(f"elements.{name}.stiffness", entry.stiffness)
+    values["damping"] = _laws(f"elements.{name}.damping", entry.damping)
+    if entry.air_spring is not None:
+        values |= _with_air(name, entry.air_spring, values)
+    return {
+        each: SuspensionElement(point=point, lower_point=other, **values)
+        for each, point, other in zip(names, entry.points, lower, strict=True)
+    }
+
+
+def _with_air(name: str, table: AirSpringTable, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Values of an element with an air spring. Raises InvalidVehicle where another part is in its place."""
+    from wheelrail.vehicle.multibody.elements import InvalidVehicle
+    from wheelrail.vehicle.wagon.air_spring import AirSpring
+
+    air = AirSpring(**table.model_dump())
+    own = {"series_stiffness": air.series_stiffness, "surge_mass": air.mass, "surge_exponent": 2.0}
+    own["damping"] = air.damping or 1e-9  # without loss: none, but a damper
+    result = {key: (*values[key][:2], value) for key, value in own.items()}
+    along, across, up = values["stiffness"]
+    if not isinstance(up, float) or values["damping"][2] != 0.0 or values["series_stiffness"][2] != inf:
+        text = "must be with a vertical stiffness that is a number, and without vertical damping and series_stiffness"
+        raise InvalidVehicle(f"elements.{name}.air_spring", text)
+    return result | {"stiffness": (along, across, up + air.stiffness)}
 
 
 def _laws(key: str, values: tuple[float | tuple[tuple[float, float], ...], ...]) -> Laws:
     """Raises InvalidVehicle for points that are no force law."""
-    from wheelrail.vehicle.multibody.vehicle import InvalidVehicle
+    from wheelrail.vehicle.multibody.elements import InvalidVehicle
     from wheelrail.vehicle.wagon.force_law import ForceLaw
 
     try:
