@@ -178,7 +178,7 @@ def _check_body(key: str, body: VehicleBody) -> None:
         raise InvalidVehicle(f"{key}.independent", "must be false but for a wheelset whose pitch is not held")
     if any(body.torsion) and not body.independent:
         raise InvalidVehicle(f"{key}.torsion", "must be zero but between independent wheels")
-    _check_numbers(f"{key}.torsion", body.torsion)
+    check_numbers(f"{key}.torsion", body.torsion)
     if not set(body.held) <= set(COORDINATES):
         raise InvalidVehicle(f"{key}.held", f"must be of {', '.join(COORDINATES)}")
     if len(set(body.held)) < len(body.held):
