@@ -36,16 +36,17 @@ def track(
     ] = None,
     vehicle: VehicleFile = None,
 ) -> None:
-    """Print the track of a vehicle run: segments, cant, cant deficiency and irregularities.
+    """Print the track of a vehicle run: segments, cant, cant deficiency, standard deviations of irregularities.
 
     In the figure, irregularities begin at the front wheelset.
     """
     checked = load_run(scene)
     check_picture(picture)
     from wheelrail.scenes.datasets.result_table import Results
-    from wheelrail.scenes.runs.track_table import segment_table
+    from wheelrail.scenes.runs.track_table import quality_tables, segment_table
 
-    print_results(Results("track", [segment_table(checked)]))
+    with error_lines(f"{scene}: "):
+        print_results(Results("track", [segment_table(checked), *quality_tables(checked)]))
     if picture is not None:
         from wheelrail.scenes.runs.track_plot import draw_track
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.scenes.plots.style import save, styled
-from wheelrail.scenes.runs.track_table import cants
+from wheelrail.scenes.runs.track_table import STATION, cants
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from wheelrail.scenes.schema.scene import RunScene
     from wheelrail.vehicle.multibody.vehicle import Vehicle
+    from wheelrail.vehicle.track.irregularity import Irregularities
 
 # Okabe-Ito colours, each with its own dashes.
 LINES = (("#0072B2", "-"), ("#D55E00", (0, (5, 1.5))), ("#009E73", (0, (1, 1))), ("0.4", (0, (5, 1, 1, 1))))
@@ -50,8 +51,8 @@ def track_figure(scene: RunScene, vehicle: Vehicle) -> Figure:
     irregularities = track.irregularities
     s = np.linspace(0.0, alignment.length, POINTS, dtype=np.float64)
     stations_list = s.tolist()
-    figure = Figure(figsize=(7.2, 8.6 if irregularities is None else 11.6), layout="constrained")
-    count = 4 if irregularities is None else 6
+    figure = Figure(figsize=(7.2, 8.6 if irregularities is None else 13.4), layout="constrained")
+    count = 4 if irregularities is None else 7
     axes = list(figure.subplots(count, 1))
     stations, points = centre_line(track, alignment.length, spacing=max(1.0, alignment.length / 400))
     plan, curvature, cant, slope = axes[:4]
@@ -81,6 +82,7 @@ def track_figure(scene: RunScene, vehicle: Vehicle) -> Figure:
     slope.set_ylabel("[‰], [m]")
     if irregularities is not None:
         values = 1e3 * irregularities.at(s).T
+        _spectra(axes.pop(), irregularities, alignment.length)
         for ax, (first, second) in zip(axes[4:], ((0, 3), (1, 2)), strict=True):
             names = ("alignment", "level", "cross level", "gauge")
             _lines(ax, s, {names[first]: values[first], names[second]: values[second]})
@@ -90,6 +92,28 @@ def track_figure(scene: RunScene, vehicle: Vehicle) -> Figure:
         ax.set_xlim(0.0, alignment.length)
     axes[-1].set_xlabel("distance along the track [m]")
     return figure
+
+
+def _spectra(ax: Axes, irregularities: Irregularities, length: float) -> None:
+    """Spectral densities of level and alignment, beside those of ERRI B176."""
+    from wheelrail.vehicle.track.irregularity_spectrum import ERRI
+    from wheelrail.vehicle.track.track_quality import spectral_density
+
+    end = min(length, float(irregularities.stations[-1]))
+    s = np.arange(max(0.0, float(irregularities.stations[0])), end, STATION)
+    wave_number, density = spectral_density(s, irregularities.at(s))
+    for name, column, (color, _) in (("level", 1, LINES[0]), ("alignment", 0, LINES[1])):
+        ax.loglog(wave_number, density[:, column], color=color, label=name)
+        for label, dashes in (("low", (0, (5, 1.5))), ("high", (0, (1, 1)))):
+            erri = ERRI[label](wave_number)[:, column]  # type: ignore[index]
+            ax.loglog(wave_number, erri, color=color, linestyle=dashes, linewidth=0.8, label=f"ERRI {label}")
+    ax.set_title("Spectral densities, one-sided, and those of ERRI B176")
+    ax.set_xlabel("wave number [rad/m]")
+    ax.set_ylabel("[m²/(rad/m)]")
+    shown = density[:, :2][density[:, :2] > 0.0]
+    if len(shown):
+        ax.set_ylim(max(float(shown.min()), 1e-6 * float(shown.max())), 10.0 * float(shown.max()))
+    ax.legend(loc="lower left", ncols=2, fontsize=7)
 
 
 def _lines(ax: Axes, s: Array, curves: dict[str, Array]) -> None:

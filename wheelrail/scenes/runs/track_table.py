@@ -7,12 +7,18 @@ from math import tan
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wheelrail.scenes.datasets.result_table import Column, ResultTable
+from wheelrail.vehicle.track.measured_track import BANDS
 
 if TYPE_CHECKING:
     from wheelrail.scenes.schema.scene import RunScene
     from wheelrail.vehicle.track.speed_profile import SpeedProfile
     from wheelrail.vehicle.track.track import Track
+
+
+STATION = 0.25  # m, between samples of irregularities
 
 
 def cants(track: Track, speed_profile: SpeedProfile, gravity: float, station: float) -> tuple[float, float]:
@@ -60,6 +66,46 @@ def segment_table(scene: RunScene) -> ResultTable:
     return ResultTable("segments", title, COLUMNS, rows)
 
 
+def quality_tables(scene: RunScene) -> list[ResultTable]:
+    """Standard deviations of the irregularities along the track of a run, and their classes; none on smooth rails."""
+    from wheelrail.vehicle.track.speed_profile import SpeedProfile
+    from wheelrail.vehicle.track.track_quality import quality
+
+    irregularities = scene.track.track().irregularities
+    if irregularities is None:
+        return []
+    profile = SpeedProfile.of(scene.vehicle.speed_profile)
+    speed = max(profile.speeds.values)
+    end = min(float(irregularities.stations[-1]), scene.track.length)
+    stations = np.arange(max(float(irregularities.stations[0]), 0.0), end, STATION)
+    rows = [
+        {
+            "start": own.start,
+            "end": own.end,
+            **{f"level_{name}": value for name, value in zip(BANDS, own.level.tolist(), strict=True)},
+            "level_class": own.classes[0],
+            **{f"alignment_{name}": value for name, value in zip(BANDS, own.alignment.tolist(), strict=True)},
+            "alignment_class": own.classes[1],
+        }
+        for own in quality(stations, irregularities.at(stations), speed)
+    ]
+    title = (
+        f"Standard deviations of the worse rail in D1, D2, D3; classes of EN 13848-6 at {speed:g} m/s (not confirmed)"
+    )
+    return [ResultTable("quality", title, QUALITY_COLUMNS, rows)]
+
+
+QUALITY_COLUMNS = tuple(
+    Column(name, label, itemgetter(name), unit, digits)
+    for name, label, unit, digits in (
+        ("start", "from", "m", 1),
+        ("end", "to", "m", 1),
+        *((f"level_{band}", f"level {band}", "mm", 2) for band in BANDS),
+        ("level_class", "class", "", None),
+        *((f"alignment_{band}", f"alignment {band}", "mm", 2) for band in BANDS),
+        ("alignment_class", "class", "", None),
+    )
+)
 COLUMNS = tuple(
     Column(name, label, itemgetter(name), unit, digits)
     for name, label, unit, digits in (

@@ -5,33 +5,80 @@ from __future__ import annotations
 import re
 from itertools import chain
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from wheelrail.support.arrays import Array
 from wheelrail.support.text_file import FileRefused, read_text
+from wheelrail.vehicle.track import measured_track as measured
 from wheelrail.vehicle.track.irregularity import QUANTITIES
 
 Row = tuple[int, list[str]]  # number and cells
 
 UNITS = {"m": 1.0, "mm": 1e-3}
+TWIST_UNITS = {"1": 1.0, "mm/m": 1e-3}
+RAILS = ("level_left", "level_right", "alignment_left", "alignment_right", "twist")
 MOST = 10.0  # MB
 BLOCK = 1000  # rows
 LARGEST = 0.1  # m; a larger value has a wrong unit
-COLUMNS = f"s, {', '.join(QUANTITIES)}"
+COLUMNS = f"s, {', '.join((*QUANTITIES, *RAILS))}"
 
 
 class IrregularityFileError(ValueError):
     """The file is invalid."""
 
 
-def read_irregularities(path: str | Path) -> tuple[Array, Array]:
+class Measurement(NamedTuple):
+    """How a track was measured and what is used of the measurement.
+
+    Parameters:
+        band: wavelengths that are kept, m; None: all.
+        chord: parts m of the chord of levels and alignments, behind and ahead; None: inertial.
+        gaps: treatment of gaps of chainage; None: steps of any length are interpolated.
+        twist_base: m.
+        fade: length m over which values fade beside a gap.
+    """
+
+    band: measured.Band | None = None
+    chord: tuple[float, float] | None = None
+    gaps: measured.Gaps | None = None
+    twist_base: float = 3.0
+    fade: float = 10.0
+
+
+AS_IT_IS = Measurement()
+
+
+def read_irregularities(path: str | Path, how: Measurement = AS_IT_IS) -> tuple[Array, Array]:
     """Stations (n,), m, and values (n, 4), m, as in `Irregularities`, from numbers separated by commas or semicolons.
 
-    An optional first row names the columns: s and any of alignment, level, cross_level and gauge, each with a unit if
-    it is not m: "level [mm]". Without it all five are expected in this order. Missing quantities are zero; lines that
-    begin with # are comments. Raises IrregularityFileError naming file, row and value.
+    An optional first row names the columns: s and any of alignment, level, cross_level and gauge, those of single
+    rails, and twist, each with a unit if it is not m: "level [mm]", and a minus for the opposite sign: "-level".
+    Without it the first five are expected in this order. Missing quantities are zero; lines that begin with # are
+    comments. Files with columns of single rails have no gaps of chainage unless `how` says so. Raises
+    IrregularityFileError naming file, row and value.
     """
+    stations, columns = read_columns(path)
+    try:
+        gaps = how.gaps or ("refuse" if set(columns) & set(RAILS) else None)
+        if gaps:
+            names = list(columns)
+            stations, values = measured.without_gaps(stations, np.stack(list(columns.values()), 1), gaps, how.fade)
+            columns = dict(zip(names, values.T, strict=True))
+        if how.band is not None and how.chord is not None:
+            for name in columns:
+                if name.startswith(("level", "alignment")):
+                    even, values = measured.band_passed(stations, columns[name][:, None], how.band, how.chord)
+                    columns[name] = np.interp(stations, even, values[:, 0])
+        found = measured.quantities(stations, columns, how.twist_base)
+        return (stations, found) if how.band is None else measured.band_passed(stations, found, how.band)
+    except measured.MeasurementError as error:
+        raise IrregularityFileError(f"{path}: {error}") from None
+
+
+def read_columns(path: str | Path) -> tuple[Array, dict[str, Array]]:
+    """Stations (n,) m, increasing, and the other columns (n,) m by name. Raises IrregularityFileError."""
     try:
         lines = read_text(path, MOST, foreign=True).splitlines()
     except FileRefused as error:
@@ -45,12 +92,12 @@ def read_irregularities(path: str | Path) -> tuple[Array, Array]:
         raise IrregularityFileError(f"{path}: {len(rows)} rows of numbers, must be at least 2")
     table = np.vstack([_block(path, rows[i : i + BLOCK], columns) for i in range(0, len(rows), BLOCK)])
     by_name = {name: table[:, i] for i, (name, _) in enumerate(columns)}
-    stations = by_name["s"]
+    stations = by_name.pop("s")
     for i in np.flatnonzero(np.diff(stations) <= 0.0)[:1] + 1:
         raise IrregularityFileError(
             f"{path}: row {rows[i][0]}, s = {stations[i]:g}: must be greater than {stations[i - 1]:g}, the previous"
         )
-    return stations, np.stack([by_name.get(name, np.zeros(len(rows))) for name in QUANTITIES], axis=1)
+    return stations, by_name
 
 
 def _has_data(line: str) -> bool:
@@ -73,12 +120,14 @@ def _columns(path: str | Path, row: int, cells: list[str]) -> list[tuple[str, fl
     """Name and unit of each column."""
     columns: list[tuple[str, float]] = []
     for cell in (cell.strip() for cell in cells):
-        match = re.fullmatch(r"(\w+)\s*(?:[\[(](\w+)[\])])?", cell)
-        name, unit = match.groups() if match else ("", None)
-        if name not in ("s", *QUANTITIES) or name in dict(columns) or (unit or "m") not in UNITS:
-            text = f"must be one of {COLUMNS}, each once, with unit m or mm: level [mm]"
+        match = re.fullmatch(r"(-?)(\w+)\s*(?:[\[(]([\w/]+)[\])])?", cell)
+        sign, name, unit = match.groups() if match else ("", "", None)
+        units = TWIST_UNITS if name == "twist" else UNITS
+        scale = units.get(unit or next(iter(units)), 0.0)
+        if name not in ("s", *QUANTITIES, *RAILS) or name in dict(columns) or not scale or (sign and name == "s"):
+            text = f"must be one of {COLUMNS}, each once, with unit m or mm (twist: mm/m): level [mm]"
             raise IrregularityFileError(f"{path}: row {row}, {cell!r}: {text}")
-        columns.append((name, UNITS[unit or "m"]))
+        columns.append((name, -scale if sign else scale))
     if "s" not in dict(columns):
         raise IrregularityFileError(f"{path}: row {row}: column s is missing")
     return columns

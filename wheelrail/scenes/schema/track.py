@@ -13,6 +13,7 @@ from wheelrail.scenes.schema import quantities as q
 from wheelrail.scenes.schema.tables import RailsTable, SceneTable
 
 if TYPE_CHECKING:
+    from wheelrail.scenes.schema.irregularity_file import Measurement
     from wheelrail.vehicle.track.alignment import Segment
     from wheelrail.vehicle.track.irregularity import Irregularities
     from wheelrail.vehicle.track.track import Track
@@ -68,10 +69,15 @@ class SegmentTable(SceneTable):
 class IrregularityTable(SceneTable):
     """Irregularities from a file, or from the spectrum ERRI B176 low or high with a seed, between two wavelengths, m.
 
-    They are faded in over the first `fade` m.
+    They are faded in over the first `fade` m. A measured file: the band of wavelengths that is kept, m, chord of the
+    measurement or its parts behind and ahead, m, gaps of chainage, base of the twist, m.
     """
 
     file: str | None = None
+    band: Literal["D1", "D2", "D3"] | Annotated[tuple[q.Wavelength, q.Wavelength], Strict(False)] | None = None
+    chord: q.Chord | Annotated[tuple[q.Chord, q.Chord], Strict(False)] | None = None
+    gaps: Literal["refuse", "close", "fade"] | None = None
+    twist_base: q.Chord = 3.0
     spectrum: Literal["low", "high"] | None = None
     seed: q.Seed = 0
     wavelengths: Annotated[tuple[q.Wavelength, q.Wavelength], Strict(False)] = (3.0, 100.0)
@@ -83,14 +89,24 @@ class IrregularityTable(SceneTable):
         """The file, relative to the scene's folder, as its full path."""
         if value is None:
             return None
-        from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, read_irregularities
+        from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, read_columns
 
         file = Path((info.context or {}).get("folder", "."), value).resolve()
         try:
-            read_irregularities(file)
+            read_columns(file)
         except IrregularityFileError as error:
             raise q.reject(str(error)) from None
         return str(file)
+
+    @property
+    def measurement(self) -> Measurement:
+        """How the file is read."""
+        from wheelrail.scenes.schema.irregularity_file import Measurement
+        from wheelrail.vehicle.track.measured_track import BANDS
+
+        band = BANDS[self.band] if isinstance(self.band, str) else self.band
+        chord = (0.5 * self.chord, 0.5 * self.chord) if isinstance(self.chord, float) else self.chord
+        return Measurement(band, chord, self.gaps, self.twist_base, self.fade)
 
     @model_validator(mode="after")
     def _consistent(self) -> IrregularityTable:
@@ -99,8 +115,22 @@ class IrregularityTable(SceneTable):
         for key in ("seed", "wavelengths"):
             if self.file is not None and key in self.model_fields_set:
                 raise q.reject("allowed only with spectrum", key)
-        if not self.wavelengths[0] < self.wavelengths[1]:
-            raise q.reject("must be in increasing order", "wavelengths")
+        for key in ("band", "chord", "gaps", "twist_base"):
+            if self.spectrum is not None and key in self.model_fields_set:
+                raise q.reject("allowed only with file", key)
+        for key in ("wavelengths", "band"):
+            bounds = getattr(self, key)
+            if isinstance(bounds, tuple) and not bounds[0] < bounds[1]:
+                raise q.reject("must be in increasing order", key)
+        if self.chord is not None and self.band is None:
+            raise q.reject("needs band, the wavelengths in which it is corrected", "chord")
+        if self.file is not None:
+            from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, read_irregularities
+
+            try:
+                read_irregularities(self.file, self.measurement)
+            except IrregularityFileError as error:
+                raise q.reject(str(error), "file") from None
         return self
 
     def irregularities(self, length: float, start: float = 0.0) -> Irregularities:
@@ -110,7 +140,7 @@ class IrregularityTable(SceneTable):
         from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 
         if self.file is not None:
-            return Irregularities.faded(*read_irregularities(self.file), start=start, fade=self.fade)
+            return Irregularities.faded(*read_irregularities(self.file, self.measurement), start=start, fade=self.fade)
         assert self.spectrum is not None
         generate, end = ERRI[self.spectrum].irregularities, length + start + self.fade
         return generate(end, seed=self.seed, wavelengths=self.wavelengths, start=start, fade=self.fade)
