@@ -95,7 +95,7 @@ def track_figure(scene: RunScene, vehicle: Vehicle) -> Figure:
 
 
 def _spectra(ax: Axes, irregularities: Irregularities, length: float) -> None:
-    """Spectral densities of level and alignment, beside those of ERRI B176."""
+    """Spectral densities of level and alignment beside the ones of ERRI B176."""
     from wheelrail.vehicle.track.irregularity_spectrum import ERRI
     from wheelrail.vehicle.track.track_quality import spectral_density
 

@@ -30,7 +30,7 @@ class IrregularityFileError(ValueError):
 
 
 class Measurement(NamedTuple):
-    """How a track was measured and what is used of the measurement.
+    """Measurement of a track and its use.
 
     Parameters:
         band: wavelengths that are kept, m; None: all.
