@@ -284,7 +284,7 @@ def run_scenes(t: Table) -> None:
     t.add("run: decimal comma", ("scene.toml, line", "0,06", "decimal point: 0.06"), {"scene.toml": comma}, RUN)
     for name, old, new, *says in (
         ("segments of no number", "length = 20.0", 'length = "20"', "track.segments[0].length", "m"),
-        ("radius in km", "radius = 800.0", "radius = 0.8", "track.segments[2].radius = 0.8", "at least 50"),
+        ("radius in km", "radius = 800.0", "radius = 0.8", "track.segments[2].radius = 0.8", "at least 15"),
         ("waves in mm", "[3.0, 100.0]", "[3000.0, 100000.0]", "irregularities.wavelengths[0] = 3000", "m"),
         ("seed as a fraction", "seed = 1", "seed = 1.5", "irregularities.seed = 1.5"),
         ("spectrum of no class", '"low"', '"medium"', "irregularities.spectrum", '"low"'),

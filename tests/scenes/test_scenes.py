@@ -291,7 +291,7 @@ MALFORMED = [
     (CURVE, "speed = 45.0", "speed = [[0.0, 45.0], [5.0, 450.0]]", ("vehicle.speed[1][1] = 450.0", "162 km/h")),
     (CURVE, "speed = 45.0", "speed = [[5.0, 45.0], [5.0, 40.0]]", ("vehicle.speed = ", "times must increase")),
     (CURVE, "tangent = 50.0", "", ("track.tangent: missing", "without segments")),
-    (IRREGULAR, "radius = 800.0", "radius = 8.0", ("track.segments[2].radius = 8.0", "at least 50")),
+    (IRREGULAR, "radius = 800.0", "radius = 8.0", ("track.segments[2].radius = 8.0", "at least 15")),
     (
         IRREGULAR,
         "radius = 800.0",
