@@ -1,10 +1,10 @@
 """Manchester 1 on elastic axles and co-running tracks: equilibria, modes, critical speeds and joints.
 
-python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|joint ...] [--quick] [--json]
+python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|wheels|joint ...] [--quick] [--json]
 
 A plane run against the same wagon as a vehicle file; rigid and elastic vehicles against values measured before;
-derivatives against differences and the energy balance; the gauge on rigid sleepers; P2 of a dipped joint against a
-linear model. --quick: a rigid vehicle and an elastic one, one place of the strips and one speed.
+derivatives against differences and the energy balance; the gauge on rigid sleepers; independent wheels; P2 of a
+dipped joint against a linear model. --quick: a rigid vehicle and an elastic one, one place of the strips and one speed.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from wheelrail.contact.models.strip_places import at_places
 from wheelrail.contact.structure.ballast import Ballast, CoRunningTrack, Layers, co_running, of_both_sides
 from wheelrail.contact.structure.pads import RailCompliance, RailPads, wavenumber_samples
 from wheelrail.scenes.builders.vehicle import run_track, vehicle_on
-from wheelrail.scenes.builders.vehicle_file import MANCHESTER
+from wheelrail.scenes.builders.vehicle_file import MANCHESTER, parse_vehicle
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse, read_text
@@ -51,6 +51,33 @@ from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.force_law import ForceLaw, Law
 
 SCENES = MANCHESTER.parent
+TRAM = """
+wheel_y = 0.75
+[speed_hold]
+body = "bogie"
+[bodies.bogie]
+mass = 12000.0
+inertia = [6000.0, 4000.0, 8000.0]
+x = 0.0
+height = 0.9
+[body_types.axle]
+mass = 1200.0
+inertia = [700.0, 80.0, 700.0]
+height = 0.46
+wheelset = true
+independent = true
+[bodies]
+front = { type = "axle", x = 0.9 }
+rear = { type = "axle", x = -0.9 }
+[element_types.primary]
+upper = "bogie"
+stiffness = [10e6, 4e6, 1.2e6]
+damping = [5e3, 5e3, 10e3]
+turn = 1.0
+[elements]
+front = { type = "primary", lower = "front", points = [[0.9, 1.0, 0.46], [0.9, -1.0, 0.46]] }
+rear = { type = "primary", lower = "rear", points = [[-0.9, 1.0, 0.46], [-0.9, -1.0, 0.46]] }
+"""
 ELASTIC = {"model": "condensed", "laws": "exact", "surface_size": 1e-3, "strips": 6, "cells": 10}
 AXLE, PADS, HALVES = {"diameter": 0.160}, {"vertical": 100e6, "lateral": 40e6}, {"length": "halves"}
 BODIES: dict[str, tuple[dict[str, object], dict[str, object]]] = {
@@ -273,6 +300,33 @@ def gauge() -> Iterator[Check]:
     yield Check("same side: rigid sleepers against halves", np.abs(one - two).max() / np.abs(two).max(), 0.0, 1e-12)
 
 
+def wheels() -> Iterator[Check]:
+    """Wheels of Manchester 1 that turn by themselves, on the standard contact: free, and on an axle that is stiff."""
+    rigid = replace(vehicle("rigid", standard=True), track=CURVE.track)
+
+    def turning(*torsion: float) -> VehicleDynamics:
+        own = {"independent": True, "torsion": torsion}
+        bodies = {name: replace(b, **own) if b.wheelset else b for name, b in rigid.vehicle.bodies.items()}  # type: ignore
+        return replace(rigid, vehicle=replace(rigid.vehicle, bodies=bodies))
+
+    free, own, names = equilibrium(turning(0.0, 0.0)), equilibrium(rigid), rigid.vehicle.wheelsets
+    for name, state in free.dynamics.wheelset_states(0.0, free.state).items():
+        moments = [float(result.moment @ state.rotation[:, 1]) for result in free.contacts[name].values()]
+        yield Check(f"free wheels of {name}: largest moment, N m", max(map(abs, moments)), 0.0, 0.1)
+    expected = [own.state[own.dynamics.coordinates.index(name, Y)] for name in names]
+    for torsion, label in (((1e10, 0.0), "spring"), ((0.0, 1e11), "damper")):
+        at = equilibrium(turning(*torsion))
+        found = [at.state[at.dynamics.coordinates.index(name, Y)] for name in names]
+        error = float(np.abs(np.divide(found, expected) - 1.0).max())
+        yield Check(f"wheels on a stiff {label}: y over that of rigid axles - 1", error, 0.0, 1e-6)
+    tight = ConstantCurve(3.0, 1 / 25).track
+    bogie = VehicleDynamics(parse_vehicle(TRAM, "tram bogie"), tight, rigid.contact, 3.0)
+    at = equilibrium(bogie)
+    lateral = sum(float(result.force[1]) for sides in at.contacts.values() for result in sides.values())
+    mass = sum(body.mass for body in bogie.vehicle.bodies.values())
+    yield Check("tram bogie of 1.8 m, R = 25 m: sum of Y, N", lateral, mass * 9.0 / 25.0, 0.01 * mass * 9.0 / 25.0)
+
+
 def beam_tracks(rigid: bool) -> tuple[list[Array], list[Array] | None]:
     """Stiffness (5, 5) of tracks of Euler beams under loads to the same side, and mirrored loads."""
     ballasts = Ballast().rigid(2.6, 0.75) if rigid else (Ballast(),)
@@ -369,6 +423,7 @@ CHECKS: dict[str, Callable[[], Iterator[Check]]] = {
     "table": lambda: (check for bodies in BODIES for check in steady(bodies)),
     "jacobian": jacobian,
     "gauge": gauge,
+    "wheels": wheels,
     "joint": joint,
 }
 QUICK: dict[str, Callable[[], Iterator[Check]]] = {
