@@ -21,7 +21,7 @@ from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.multibody.equations import VehicleDynamics, side_wrenches
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, all_side_wrenches
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.multibody.plane_wagon import WHEELSET, wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
@@ -62,13 +62,13 @@ def stiffness(dynamics: VehicleDynamics) -> float:
     """Vertical stiffness N/m of one wheel on straight track, as the motions of axle and rails follow the loads."""
     rest = equilibrium(dynamics)
     states = dynamics.wheelset_states(0.0, rest.state)
-    (tangents,) = VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts).values[..., :-1]
-    by_z, by_motions = tangents[0, 2, 1], tangents[0, 2, 9:]
+    tangents = VehicleJacobian(dynamics, StepStatistics()).tangents(states, rest.contacts).values[..., :-1]
+    by_z, by_motions = tangents[0, 0, 2, 1], tangents[0, 0, 2, 9:]
     (structure,) = dynamics.structures.own
     if structure is None:
         return -float(by_z)
-    wrenches, wheelset = side_wrenches(rest.contacts[WHEELSET]), states[WHEELSET]
-    slopes = structure.load_slopes(wheelset, wrenches, tangents).sum(axis=0)
+    wrenches = all_side_wrenches(rest.contacts)
+    slopes = dynamics.structures.load_slopes(list(states.values()), wrenches, tangents)[0].sum(axis=0)
     slopes = structure.compliance[: len(by_motions)] @ slopes
     return -float(by_z + by_motions @ np.linalg.solve(np.eye(len(by_motions)) - slopes[:, 9:], slopes[:, 1]))
 

@@ -53,17 +53,19 @@ void bind_kinematics(nb::module_& m) {
     m.def("moved_pairs", &moved_pairs, "states"_a, Unlocked(),
           "Pairs in the frames of the moved rails, with the wheelsets' centres, and the axes (w, 3, 3) of the rails in "
           "the track's.");
+    m.def("moved_loads", &moved_loads, "states"_a, Unlocked(),
+          "Matrices (w, 9, 6) of the loads on hub and rail by wrenches on the wheel about the wheelset's centre in the "
+          "track's axes: force and moment on the hub, in the wheelset's axes about the hub's centre; y and z force and "
+          "roll moment on the rail about its foot.");
     m.def(
-        "moved_loads",
+        "moved_load_slopes",
         [](const MovedStates& states, const Rows& wrenches) {
             require(wrenches.shape == std::array<long, 2>{states.size(), 6}, "wrenches: must be (w, 6)");
-            return moved_loads(states, wrenches);
+            return moved_load_slopes(states, wrenches);
         },
         "states"_a, "wrenches"_a, Unlocked(),
-        "Matrices (w, 9, 6) of the loads on hub and rail by wrenches on the wheel about the wheelset's centre in the "
-        "track's axes, and derivatives (w, 9, 18) of the loads at constant wrenches (w, 6). Loads: force and moment on "
-        "the hub, in the wheelset's axes about the hub's centre; y and z force and roll moment on the rail about its "
-        "foot. Columns: coordinates of the wheelset, motions of hub and rail.");
+        "Derivatives (w, 9, 18) of these loads at constant wrenches (w, 6), by the coordinates of the wheelset and the "
+        "motions of hub and rail.");
     m.def(
         "moved_slopes",
         [](const MovedStates& states, const Blocks& tangents, const Rows& wrenches) {

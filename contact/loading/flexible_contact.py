@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from wheelrail.bindings._contact import MovedStates, moved_loads
+from wheelrail.bindings._contact import MovedStates, moved_load_slopes, moved_loads
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState
+from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState, by_parts
 from wheelrail.contact.loading.flexible_wheelset import Flexibility, by_unknowns
 from wheelrail.contact.loading.moved_pair import COORDINATES, MovedPair
 from wheelrail.contact.loading.moved_wheels import MovedWheels, moved_together
@@ -23,6 +23,7 @@ from wheelrail.contact.structure.hubs import about_hubs_line
 from wheelrail.support.arrays import Array
 
 REST = (0.0,) * len(MOTIONS)  # motions of hubs and rails that do not move
+BOTH = slice(0, 6), slice(6, 12)  # motions of the left and of the right hub
 HUBS = slice(COORDINATES, COORDINATES + 12)  # columns of derivatives by the coordinates of a `FlexibleState`
 
 
@@ -62,11 +63,9 @@ class FlexiblePairs:
         """
         motions = np.array([s.motions if isinstance(s, FlexibleState) else REST for s in states])
         even, odd = 0.5 * (motions[:, :6] + motions[:, 6:12]), 0.5 * (motions[:, :6] - motions[:, 6:12])
-        own, other = self._lines[0][:6, :6], self._lines[0][:6, 6:]
-        if index:
-            own, other = self._lines[1][6:, 6:], self._lines[1][6:, :6]
+        by_even, by_odd = self._lines_of_parts[index]
         # A product for each state: rounding must not depend on the others that are solved together.
-        even, odd = ((part[:, None] @ matrix.T)[:, 0] for part, matrix in ((even, own + other), (odd, own - other)))
+        even, odd = (even[:, None] @ by_even)[:, 0], (odd[:, None] @ by_odd)[:, 0]
         rails = motions[:, 12 + 3 * index : 15 + 3 * index]
         return np.concatenate([even - odd if index else even + odd, rails], axis=1)
 
@@ -76,24 +75,62 @@ class FlexiblePairs:
         left, right = (about_hubs_line(mounting.wheel_y) for mounting in self.mountings)
         return left, right
 
-    def loads(self, state: WheelsetState, side: Side, wrench: Array) -> tuple[Array, Array]:
-        """Loads on hub and rail by the wrench (6,) of one side as a left-hand one, see `moved_loads`: matrix (9, 6) and
-        derivative (9, 27) at a constant wrench.
-        """
-        matrices, changes = moved_loads(self.states([state], side), wrench[None])
-        return matrices[0], self.by_coordinates(changes[0], side)
+    @cached_property
+    def _lines_of_parts(self) -> list[tuple[Array, Array]]:
+        """Transposed transformations (6, 6) of even and odd parts into the motions of a side's hub."""
+        halves = [
+            (lines[own, own], lines[own, other])
+            for lines, own, other in zip(self._lines, BOTH, BOTH[::-1], strict=True)
+        ]
+        return [((own + other).T, (own - other).T) for own, other in halves]
 
-    def by_coordinates(self, slopes: Array, side: Side) -> Array:
-        """Derivatives (n, 27) by `FlexibleState.coordinates`.
+    def loads(self, states: Sequence[WheelsetState], wrenches: Array) -> Array:
+        """Loads (n, 18) N and N m on even and odd parts of the motions of hubs, then of rails.
 
         Parameters:
-            slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.wrench_slopes`.
+            states: of n wheelsets with their motions.
+            wrenches: (n, 2, 6), force N on the left and the right wheel, and moment N m about the wheelset's centre.
+        """
+        result = np.zeros((len(states), 18))
+        for index, side in enumerate(SIDES):
+            own = wrenches[:, index] * (MIRRORED if index else 1.0)
+            result += on_parts(moved_loads(self.states(states, side)) @ own[..., None], index)[..., 0]
+        return result
+
+    def load_slopes(self, states: Sequence[WheelsetState], wrenches: Array, tangents: Array) -> Array:
+        """Derivatives (n, 2, 18, c) of the loads: parts of the left and the right contact.
+
+        Parameters:
+            states, wrenches: as for `loads`.
+            tangents: (n, 2, 6, c), derivatives of the wrenches by the wheelset's coordinates, even and odd parts of the
+                motions, and what leaves them as they are.
+        """
+        slopes = np.empty((len(states), 2, 18, tangents.shape[-1]))
+        for index, side in enumerate(SIDES):
+            sign, moved = MIRRORED if index else np.ones(6), self.states(states, side)
+            own = moved_loads(moved) @ (sign[:, None] * tangents[:, index])
+            change = by_parts(self.by_coordinates(moved_load_slopes(moved, sign * wrenches[:, index]), side))
+            own[..., : change.shape[-1]] += change
+            slopes[:, index] = on_parts(own, index)
+        return slopes
+
+    def by_coordinates(self, slopes: Array, side: Side) -> Array:
+        """Derivatives (..., 27) by `FlexibleState.coordinates`.
+
+        Parameters:
+            slopes: (..., 18) of the left-hand pair of a side, columns as of `MovedPair.wrench_slopes`.
             side: its name.
         """
         index = int(side == "right")
         out = by_unknowns(slopes, index)
-        out[:, HUBS] = out[:, HUBS] @ self._lines[index]
+        out[..., HUBS] = out[..., HUBS] @ self._lines[index]
         return out
+
+
+def on_parts(loads: Array, index: int) -> Array:
+    """Loads (n, 18, ...) on even and odd parts of motions of hubs, then of rails, by those (n, 9, ...) of a side."""
+    odd = -loads if index else loads
+    return np.concatenate([loads[:, :6], odd[:, :6], loads[:, 6:], odd[:, 6:]], axis=1)
 
 
 @dataclass(frozen=True)
@@ -144,7 +181,7 @@ class FlexibleContact(VehicleContact):
             return super().side_tangents(states, side, results)
         solved, indices = wheels
         slopes = solved.by_moves(indices, self.pairs.states(states, side)).reshape(len(states), 6, -1)
-        out = np.array([self.pairs.by_coordinates(own, side) for own in slopes])
+        out = self.pairs.by_coordinates(slopes, side)
         return out if side == "left" else MIRRORED[:, None] * out
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:

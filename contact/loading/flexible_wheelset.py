@@ -225,17 +225,17 @@ def structural(loads: Array) -> Array:
 
 
 def by_unknowns(slopes: Array, index: int) -> Array:
-    """Derivatives (n, 27) by the coordinates of the wheelset's state and the motions of both hubs and both rails.
+    """Derivatives (..., 27) by the coordinates of the wheelset's state and the motions of both hubs and both rails.
 
     Parameters:
-        slopes: (n, 18) of the left-hand pair of a side, columns as of `MovedPair.wrench_slopes`.
+        slopes: (..., 18) of the left-hand pair of a side, columns as of `MovedPair.wrench_slopes`.
         index: of the side.
     """
-    out = np.zeros((len(slopes), COLUMNS))
-    out[:, :COORDINATES] = slopes[:, :COORDINATES] * (STATE_MIRRORED if index else 1.0)
+    out = np.zeros((*slopes.shape[:-1], COLUMNS))
+    out[..., :COORDINATES] = slopes[..., :COORDINATES] * (STATE_MIRRORED if index else 1.0)
     for first, size, own in ((0, 6, HUB), (12, 3, RAIL)):
         start = COORDINATES + first + size * index
-        out[:, start : start + size] = slopes[:, own]
+        out[..., start : start + size] = slopes[..., own]
     return out
 
 

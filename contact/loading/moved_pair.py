@@ -14,7 +14,14 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from wheelrail.bindings._contact import MovedStates, WheelPairs, moved_loads, moved_pairs, moved_slopes
+from wheelrail.bindings._contact import (
+    MovedStates,
+    WheelPairs,
+    moved_load_slopes,
+    moved_loads,
+    moved_pairs,
+    moved_slopes,
+)
 from wheelrail.contact.kinematics.frames import MIRROR, Pose, RigidMotion
 from wheelrail.contact.kinematics.left_pair import motion_of, pose_of
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
@@ -132,7 +139,7 @@ class MovedPair:
         track's axes: force and moment on the hub, in the wheelset's axes about the hub's centre (6); y and z force and
         roll moment on the rail about the foot (3).
         """
-        return np.asarray(moved_loads(self._states, np.zeros((1, 6)))[0][0])
+        return np.asarray(moved_loads(self._states)[0])
 
     def load_change(self, wrench: Array) -> Array:
         """Derivative (9, 18) of the loads by a constant wrench, columns as of `wrench_slopes`.
@@ -140,7 +147,7 @@ class MovedPair:
         Parameters:
             wrench: (6,) force N and moment N m as for `load_matrix`.
         """
-        return np.asarray(moved_loads(self._states, wrench[None])[1][0])
+        return np.asarray(moved_load_slopes(self._states, wrench[None])[0])
 
 
 def turned(patches: Sequence[Patch], axes: Array, roll: float) -> tuple[Patch, ...]:

@@ -8,18 +8,15 @@ With the motions x, at rest without load x_0, and the loads w of the contacts on
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
 import numpy as np
 
-from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.flexible_contact import FlexiblePairs
-from wheelrail.contact.loading.flexible_state import MOTIONS, OF_SIDES, FlexibleState, by_parts, sums_and_differences
-from wheelrail.contact.loading.flexible_wheelset import COLUMNS, structural
-from wheelrail.contact.solvers.tangent import MIRRORED
+from wheelrail.contact.loading.flexible_state import MOTIONS, OF_SIDES, FlexibleState, sums_and_differences
 from wheelrail.support.arrays import Array
 
 TIME_CONSTANT = 1e-3  # s
@@ -86,11 +83,16 @@ class Structure(ABC):
     def damping(self) -> Array:
         """Matrix (k, k) whose quadratic form in the rates is the dissipated power, W."""
 
-    @property
+    @cached_property
     def unloaded(self) -> Array:
         """Motions (k,) without contact, x_0."""
         parts = 0.5 * OF_SIDES @ self.pairs.flexibility.unloaded
         return np.concatenate([parts, np.zeros(self.size - len(MOTIONS))])
+
+    @property
+    def varies(self) -> bool:
+        """Whether the structure depends on the place along the track."""
+        return self.pairs.flexibility.varies
 
     @property
     def period(self) -> float:
@@ -99,40 +101,14 @@ class Structure(ABC):
 
     def at(self, distance: float) -> Self:
         """The structure at a distance m along the track."""
-        flexibility = self.pairs.flexibility
-        if not flexibility.varies:
+        if not self.varies:
             return self
-        return replace(self, pairs=replace(self.pairs, flexibility=flexibility.moved(distance)))
+        flexibility = self.pairs.flexibility.moved(distance)
+        return replace(self, pairs=replace(self.pairs, flexibility=flexibility))
 
     def moved(self, state: WheelsetState, motions: Array) -> FlexibleState:
         """State of the wheelset with motions (k,)."""
-        values = {f.name: getattr(state, f.name) for f in fields(WheelsetState)}
-        return FlexibleState(**values, motions=tuple((OF_SIDES @ motions[: len(MOTIONS)]).tolist()))
-
-    def loads(self, state: WheelsetState, wrenches: Array) -> Array:
-        """Loads (18,) N and N m on the hubs, then on the rails, conjugate to the motions.
-
-        Parameters:
-            state: of the wheelset with its motions, from `moved`.
-            wrenches: (2, 6), force N on the left and the right wheel, and moment N m about the wheelset's centre.
-        """
-        mirrored = self._mirrored(wrenches)
-        loads = np.stack([self.pairs.loads(state, s, w)[0] @ w for s, w in zip(SIDES, mirrored, strict=True)])
-        return np.asarray(OF_SIDES @ structural(loads))
-
-    def load_slopes(self, state: WheelsetState, wrenches: Array, tangents: Array) -> Array:
-        """Derivatives (2, 18, 27) of the loads by the wheelset's coordinates and the motions: parts of the left and the
-        right contact.
-
-        Parameters:
-            state, wrenches: as for `loads`.
-            tangents: (2, 6, 27), the same derivatives of the wrenches.
-        """
-        slopes = np.zeros((2, 2, 9, COLUMNS))  # of both contacts, loads by side
-        for index, (side, wrench) in enumerate(zip(SIDES, self._mirrored(wrenches), strict=True)):
-            (matrix, change), tangent = self.pairs.loads(state, side, wrench), tangents[index]
-            slopes[index, index] = matrix @ (MIRRORED[:, None] * tangent if index else tangent) + by_parts(change)
-        return np.stack([OF_SIDES @ structural(own) for own in slopes])
+        return FlexibleState(**vars(state), motions=tuple((OF_SIDES @ motions[: len(MOTIONS)]).tolist()))
 
     def rates(self, motions: Array, loads: Array) -> Array:
         """Rates (k,) of motions (k,) under loads (18,)."""
@@ -154,8 +130,3 @@ class Structure(ABC):
     def dissipated_power(self, rates: Array) -> Array:
         """Power (...) W of the dampers at rates (..., k)."""
         return np.asarray(np.einsum("...i,ij,...j->...", rates, self.damping, rates))
-
-    @staticmethod
-    def _mirrored(wrenches: Array) -> Array:
-        """Wrenches of both wheels as left-hand ones."""
-        return np.stack([wrenches[0], MIRRORED * wrenches[1]])

@@ -265,10 +265,10 @@ class VehicleDynamics:
         rates = np.empty(self.structures.size)
         if not rates.size:
             return rates
-        motions, distances, names = self.motions(state), self.distances(travel, state).tolist(), list(states)
-        for i, structure, own in self.structures.elastic:
-            here, name = structure.at(distances[i]), names[i]
-            rates[own] = here.rates(motions[own], here.loads(states[name], side_wrenches(contacts[name])))
+        motions, distances = self.motions(state), self.distances(travel, state).tolist()
+        loads = self.structures.loads(list(states.values()), all_side_wrenches(contacts))
+        for (i, structure, own), load in zip(self.structures.elastic, loads, strict=True):
+            rates[own] = structure.at(distances[i]).rates(motions[own], load)
         return rates
 
     def wheelset_states(self, time: float, state: Array) -> dict[str, WheelsetState]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.flexible_state import MOTIONS, FlexibleState, by_parts
+from wheelrail.contact.loading.flexible_state import MOTIONS, by_parts
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
@@ -182,21 +182,17 @@ class VehicleJacobian:
         rails: RailSlopes | None,
     ) -> None:
         """Add the rows of the motions of axles and rails."""
-        d, count, names = self.dynamics, len(FlexibleState.coordinates), list(states)
+        d, wheelsets, wrenches = self.dynamics, list(states.values()), all_side_wrenches(contacts)
         motions, distances = d.motions(state), d.distances(travel, state).tolist()
-        for i, anywhere, own in d.structures.elastic:
-            structure, wheelset = anywhere.at(distances[i]), states[names[i]]
-            wrenches = side_wrenches(contacts[names[i]])
-            slopes = structure.load_slopes(wheelset, wrenches, tangents[i, ..., :count])
-            others = [
-                [structure.loads(wheelset, _only(side, tangents[i, ..., k])) for k in range(count, tangents.shape[-1])]
-                for side in range(len(SIDES))
-            ]
-            slopes = np.concatenate([slopes, np.swapaxes(others, 1, 2)], axis=2)
-            rows = d.coordinates.size + np.arange(own.start, own.stop)
+        by_contact = d.structures.load_slopes(wheelsets, wrenches, tangents)
+        loads = d.structures.loads(wheelsets, wrenches)
+        for (i, anywhere, own), slopes, load in zip(d.structures.elastic, by_contact, loads, strict=True):
+            structure, rows = anywhere.at(distances[i]), d.coordinates.size + np.arange(own.start, own.stop)
             self._add(result, i, rows, structure.by_loads @ slopes, rails)
             result.by_state[rows[:, None], rows] += structure.by_motions
-            by_distance = structure.rates_by_distance(motions[own], structure.loads(wheelset, wrenches))
+            if not structure.varies:
+                continue
+            by_distance = structure.rates_by_distance(motions[own], load)
             result.by_time[rows] += travel.speed * by_distance
             x = 6 * d.coordinates.wheelset_bodies[i] + X
             result.by_state[rows[:, None], np.flatnonzero(d.coordinates.free == x)] += by_distance[:, None]
@@ -313,10 +309,3 @@ class VehicleJacobian:
         self.counts.differences += 1
         perturbed = replace(state, **{key: getattr(state, key) + step})
         return side_wrenches(self.dynamics.solve_wheelset(name, perturbed, contacts))
-
-
-def _only(side: int, wrenches: Array) -> Array:
-    """Wrenches (2, 6) of one side, the other zero."""
-    result = np.zeros_like(wrenches)
-    result[side] = wrenches[side]
-    return result

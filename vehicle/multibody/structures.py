@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
+    from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+    from wheelrail.contact.loading.flexible_contact import FlexiblePairs
     from wheelrail.contact.loading.structure import Structure
 
 
@@ -76,6 +78,34 @@ class Structures:
     def period(self) -> float:
         """Shortest period of a track (sleeper spacing), m; infinite for uniform ones."""
         return min((own.structure.period for own in self.elastic), default=np.inf)
+
+    @cached_property
+    def _alike(self) -> list[tuple[FlexiblePairs, list[int]]]:
+        """Pairs with the indices of their elastic wheelsets among all of these."""
+        pairs = [own.structure.pairs for own in self.elastic]
+        found = {id(own): own for own in pairs}
+        return [(own, [i for i, other in enumerate(pairs) if other is own]) for own in found.values()]
+
+    def loads(self, states: Sequence[WheelsetState], wrenches: Array) -> Array:
+        """Loads (e, 18) N and N m on the motions of each elastic wheelset.
+
+        Parameters:
+            states: of all w wheelsets.
+            wrenches: (w, 2, 6), force N on the left and the right wheel, and moment N m about the wheelset's centre.
+        """
+        result = np.empty((len(self.elastic), 18))
+        for pairs, members in self._alike:
+            own = [self.elastic[i].wheelset for i in members]
+            result[members] = pairs.loads([states[i] for i in own], wrenches[own])
+        return result
+
+    def load_slopes(self, states: Sequence[WheelsetState], wrenches: Array, tangents: Array) -> Array:
+        """Derivatives (e, 2, 18, c) of the loads, see `FlexiblePairs.load_slopes`; tangents: (w, 2, 6, c)."""
+        result = np.empty((len(self.elastic), 2, 18, tangents.shape[-1]))
+        for pairs, members in self._alike:
+            own = [self.elastic[i].wheelset for i in members]
+            result[members] = pairs.load_slopes([states[i] for i in own], wrenches[own], tangents[own])
+        return result
 
     def static(self, rates: Array, distances: Array) -> Array:
         """Distances (n, ...) of motions from static ones under the same loads, by rates (n, ...).

@@ -121,9 +121,9 @@ def _of_structures(history: History) -> Array:
         states = list(dynamics.wheelset_states(row.time, row.state).values())
         distances = dynamics.distances(dynamics.speed_profile(row.time), row.state).tolist()
         wrenches = np.concatenate([row.force, row.moment], axis=2)
-        for k, structure, own in dynamics.structures.elastic:
+        loads = dynamics.structures.loads(states, wrenches)
+        for (k, structure, own), load in zip(dynamics.structures.elastic, loads, strict=True):
             here, motion, rate = structure.at(distances[k]), motions[i, own], rates[i, own]
-            loads = here.loads(states[k], wrenches[k])
-            supplied = loads @ rate[: len(loads)] + states[k].speed * here.energy_by_distance(motion)
+            supplied = load @ rate[: len(load)] + states[k].speed * here.energy_by_distance(motion)
             balance[:, i] += here.energy(motion), supplied, here.dissipated_power(rate)
     return balance

@@ -86,11 +86,9 @@ inline std::pair<WheelPairs, Array<double, 3>> moved_pairs(const MovedStates& st
     return {std::move(pairs), std::move(rails)};
 }
 
-// Matrices (w, 9, 6) of the loads by wrenches, and their derivatives (w, 9, 18) at constant wrenches (w, 6), both of
-// left- hand wheels.
-inline std::pair<Array<double, 3>, Array<double, 3>> moved_loads(const MovedStates& states, const Rows& wrenches) {
-    using T = Dual<MOVED>;
-    Array<double, 3> matrices(states.size(), MOVES, 6), changes(states.size(), MOVES, MOVED);
+// Matrices (w, 9, 6) of the loads by wrenches on left-hand wheels.
+inline Array<double, 3> moved_loads(const MovedStates& states) {
+    Array<double, 3> matrices(states.size(), MOVES, 6);
     for (long i = 0; i < states.size(); ++i) {
         auto moved = moved_pair<double>(states, i);
         for (int column = 0; column < 6; ++column) {
@@ -99,12 +97,21 @@ inline std::pair<Array<double, 3>, Array<double, 3>> moved_loads(const MovedStat
             auto loads = loads_of(moved, {unit[0], unit[1], unit[2]}, {unit[3], unit[4], unit[5]});
             for (int k = 0; k < MOVES; ++k) matrices(i, k, column) = loads[k];
         }
+    }
+    return matrices;
+}
+
+// Derivatives (w, 9, 18) of the loads at constant wrenches (w, 6) on left-hand wheels.
+inline Array<double, 3> moved_load_slopes(const MovedStates& states, const Rows& wrenches) {
+    using T = Dual<MOVED>;
+    Array<double, 3> changes(states.size(), MOVES, MOVED);
+    for (long i = 0; i < states.size(); ++i) {
         auto w = wrenches[i];
         auto loads =
             loads_of(moved_pair<T>(states, i), Vec<T>{T(w(0)), T(w(1)), T(w(2))}, Vec<T>{T(w(3)), T(w(4)), T(w(5))});
         for (int k = 0; k < MOVES; ++k) std::copy(loads[k].d, loads[k].d + MOVED, changes[i][k].begin());
     }
-    return {std::move(matrices), std::move(changes)};
+    return changes;
 }
 
 // Derivatives (w, 6, 18) of wrenches about the wheelsets' centres in the track's axes.
