@@ -1,10 +1,11 @@
 """Manchester 1 on elastic axles and co-running tracks: equilibria, modes, critical speeds and joints.
 
-python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|wheels|joint ...] [--quick] [--json]
+python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|wheels|joint|tables ...] [--quick] [--json]
 
 A plane run against the same wagon as a vehicle file; rigid and elastic vehicles against values measured before;
 derivatives against differences and the energy balance; the gauge on rigid sleepers; independent wheels; P2 of a
-dipped joint against a linear model. --quick: a rigid vehicle and an elastic one, one place of the strips and one speed.
+dipped joint against a linear model; runs on tables of forces beside elastic contact. --quick: a rigid vehicle and an elastic one, one place
+of the strips and one speed.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import chain, starmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -21,6 +23,7 @@ import numpy as np
 
 from benchmarks.common.machine import machine_description
 from benchmarks.paper.tables import markdown
+from benchmarks.table_runs import border, irregular
 from benchmarks.track_models import RAIL
 from wheelrail.contact.loading.co_running_structure import CoRunningStructure
 from wheelrail.contact.models.strip_places import at_places
@@ -425,11 +428,13 @@ CHECKS: dict[str, Callable[[], Iterator[Check]]] = {
     "gauge": gauge,
     "wheels": wheels,
     "joint": joint,
+    "tables": lambda: starmap(Check, chain(irregular(), border())),
 }
 QUICK: dict[str, Callable[[], Iterator[Check]]] = {
     "plane": partial(plane_wagon, 1.5),
     "table": lambda: (check for bodies in ("rigid", "mass") for check in steady(bodies, 1)),
     "joint": partial(joint, (20.0,)),
+    "tables": lambda: starmap(Check, irregular(0.2)),
 }
 
 

@@ -16,6 +16,7 @@ from wheelrail.vehicle.integration.problem import (
     E,
     Follow,
     Forcing,
+    Inner,
     Instant,
     Linearise,
     LongestStep,
@@ -179,6 +180,7 @@ def integrate(
     next_end: NextEnd | None = None,
     longest: LongestStep[E] | None = None,
     settle: Settle | None = None,
+    inner: Inner[E] | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
@@ -199,13 +201,14 @@ def integrate(
         longest: the longest step s from a time, state and evaluation, up to a given one, whose stages do not overlook
             changes of the right-hand side over time; None: any.
         settle: moves internal variables without rates, such as sliders of friction, at the end of a step; None: none.
+        inner: right-hand side of the inner stages of implicit methods; None: that of all.
 
     Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
     if not t1 > t0:
         raise ValueError(f"integrate: t0 = {t0:g} s, t1 = {t1:g} s: must satisfy t1 > t0")
     control, counts = settings.control, counts if counts is not None else StepStatistics()
-    trial_step, k = _method(rhs, settings.tableau, jacobian, counts, follow), settings.tableau.error_order + 1
+    trial_step, k = _method(rhs, settings.tableau, jacobian, counts, follow, inner), settings.tableau.error_order + 1
     t, x = t0, np.array(x0, dtype=float)
     first = first or FirstStep()
     start, h, error_before = _initial(rhs, t, x, settings, first, counts)
@@ -263,10 +266,11 @@ def _method(
     jacobian: Linearise[E] | None,
     counts: StepStatistics,
     follow: Follow[E] | None,
+    inner: Inner[E] | None,
 ) -> StepMethod[E]:
     if isinstance(tableau, Tableau):
         return ExplicitRungeKutta(rhs, tableau, counts)
-    return RosenbrockW(rhs, tableau, counts, jacobian, follow)
+    return RosenbrockW(rhs, tableau, counts, jacobian, follow, inner)
 
 
 def _initial(

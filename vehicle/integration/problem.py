@@ -68,6 +68,10 @@ LongestStep = Callable[[float, Array, E, float], float]
 Settle = Callable[[float, Array, float, Array], tuple[Array, Array]]
 
 
+# Right-hand side of the inner stages of a step, by the evaluation at its start and the linearisation there.
+Inner = Callable[[E, HasDerivatives], RightHandSide[E]]
+
+
 class StepMethod(Protocol[E]):
     """Trial step of length h from x at t, with the evaluation `start` there: new state, its errors, (n,) or (k, n), and
     the evaluation of the last stage. Raises StepFailure.

@@ -16,6 +16,7 @@ from wheelrail.vehicle.integration.problem import (
     E,
     Follow,
     HasDerivatives,
+    Inner,
     Linearise,
     RightHandSide,
     require_finite,
@@ -233,6 +234,7 @@ class RosenbrockW(Generic[E]):
         counts: statistics to which evaluations and factorisations are added.
         jacobian: linearisation of the right-hand side.
         follow: motion from which the difference is integrated, of each step; None: zero.
+        inner: right-hand side of inner stages; None: that of all.
 
     Of a stiffly accurate method, stiff parts of the difference to the companion, which is not, are reduced by
     (1 - h g A)^-1 to the size that they have in the solution (section IV.8 there), and the evaluation at the new state
@@ -248,6 +250,7 @@ class RosenbrockW(Generic[E]):
     counts: StepStatistics
     jacobian: Linearise[E] | None
     follow: Follow[E] | None = None
+    inner: Inner[E] | None = None
     linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
     last_stage: LastStage | None = field(default=None, init=False)
     damping: Damping | None = field(default=None, init=False)
@@ -258,6 +261,7 @@ class RosenbrockW(Generic[E]):
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]:
         linear = self._linear(t, x, start)
+        rhs = self.rhs if self.inner is None else self.inner(start, linear)
         method = self.methods.exact if linear.exact else self.methods.approximate
         evaluation, state, unknowns = start, x, np.zeros((method.stages, len(x)))
         solve = self._factorised(linear.by_state, h * method.diagonal)
@@ -269,7 +273,7 @@ class RosenbrockW(Generic[E]):
                 self.counts.evaluations += 1
                 rise, rate = moved(method.nodes[i] * h)
                 state = x + rise + method.shifts[i, :i] @ unknowns[:i]
-                evaluation = self.rhs(t + method.nodes[i] * h, state, evaluation)
+                evaluation = rhs(t + method.nodes[i] * h, state, evaluation)
             integral += h * method.weights[i] * rate
             coupling = (method.inverse[i, :i] / h) @ unknowns[:i]
             unknowns[i] = solve(evaluation.rate - rate - coupling + h * method.sums[i] * by_time)

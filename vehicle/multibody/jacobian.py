@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -33,6 +33,7 @@ from wheelrail.vehicle.track.speed_profile import TrackPosition
 DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3)
 ODD = ("y", "roll", "yaw", "y_rate", "roll_rate", "yaw_rate")
 FIRST_RATE = WheelsetState.coordinates.index("y_rate")
+RATES = slice(FIRST_RATE, len(WheelsetState.coordinates))
 PITCH_RATE = WheelsetState.coordinates.index("pitch_rate") - FIRST_RATE
 
 
@@ -45,12 +46,14 @@ class VehicleLinearisation:
         by_time: (n,) at constant contact forces, but for the motion of irregular rails.
         exact: whether those of the contact forces are tangents of this state.
         outputs: (6 w, n) N, derivatives of the forces of the left and the right wheel of each wheelset; None: none.
+        tangents: (w, 2, 6, 9 or 27), derivatives of force and moment of each wheel by the wheelset's coordinates.
     """
 
     by_state: Array
     by_time: Array
     exact: bool = True
     outputs: Array | None = None
+    tangents: Array | None = None
 
 
 class RailSlopes(NamedTuple):
@@ -68,6 +71,7 @@ class ContactTangents(NamedTuple):
     """
 
     values: Array
+    own: Array
     exact: bool
 
 
@@ -110,7 +114,7 @@ class VehicleJacobian:
         states = d.wheelset_states(time, state) if at.states is None else at.states
         tangents, rails = self.tangents(states, at.contacts), self._rail_slopes(travel, state)
         forces = self._by_state(tangents.values[:, :, :3])
-        result = VehicleLinearisation(self._kinematic.copy(), np.zeros(d.size), tangents.exact, forces)
+        result = VehicleLinearisation(self._kinematic.copy(), np.zeros(d.size), tangents.exact, forces, tangents.own)
         places = d.coordinates.of_bodies
         rows = places[len(d.coordinates.free) :]
         result.by_state[rows[:, None], places], result.by_time[rows] = bodies.by_state, bodies.by_time
@@ -253,19 +257,16 @@ class VehicleJacobian:
             raise StepFailure("the contact has no tangent, which elastic axles and rails on pads need")
         if tangents is None:
             tangents = self._differences(states, contacts)
+        own = tangents
         if self.dynamics.structures.elastic:
             tangents = by_parts(tangents)
-        names = WheelsetState.coordinates[FIRST_RATE:]
-        rates = np.array([[getattr(s, name) for name in names] for s in states.values()])
-        speeds = np.array([s.speed for s in states.values()])
-        by_rates = tangents[..., FIRST_RATE : FIRST_RATE + len(names)]
-        by_speed = -np.einsum("wsij,wj->wsi", by_rates, rates / speeds[:, None])
-        parts = [tangents, by_speed[..., None]]
+        by_rates = tangents[..., RATES]
+        parts = [tangents, by_speed(tangents, list(states.values()))]
         if self.dynamics.twists:
             by_spin = by_rates[..., [PITCH_RATE]] * np.array([1.0, -1.0])[:, None, None]
             twists = np.array([s.twist_rate / s.speed for s in states.values()])
             parts = [tangents, parts[1] - twists[:, None, None, None] * by_spin, by_spin]
-        return ContactTangents(np.concatenate(parts, axis=-1), exact)
+        return ContactTangents(np.concatenate(parts, axis=-1), own, exact)
 
     def _analytical_tangents(self, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array | None:
         """Tangents (w, 2, 6, 9 or 27) of the contact model; None if it has none.
@@ -309,3 +310,12 @@ class VehicleJacobian:
         self.counts.differences += 1
         perturbed = replace(state, **{key: getattr(state, key) + step})
         return side_wrenches(self.dynamics.solve_wheelset(name, perturbed, contacts))
+
+
+def by_speed(tangents: Array, states: Sequence[WheelsetState]) -> Array:
+    """Derivatives (w, s, 6, 1) by the speed of w states, from derivatives (w, s, 6, n) by coordinates; see
+    `VehicleJacobian.tangents`.
+    """
+    rates = np.array([[getattr(s, name) for name in WheelsetState.coordinates[RATES]] for s in states])
+    speeds = np.array([s.speed for s in states])
+    return -np.asarray(np.einsum("wsij,wj->wsi", tangents[..., RATES], rates / speeds[:, None]))[..., None]

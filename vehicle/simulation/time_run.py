@@ -16,6 +16,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import deferred_interrupts
 from wheelrail.vehicle.integration.integrate import FirstStep, Step, StepSettings, StepTooSmall, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
+from wheelrail.vehicle.integration.step_control import StepStatistics
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints, WarmStarts
@@ -25,11 +26,14 @@ from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.limits import SLOWEST, Limits, OutOfBounds, describe_position
 from wheelrail.vehicle.simulation.rail_following import rail_following
 from wheelrail.vehicle.simulation.recorder import Observer, Recorder
-from wheelrail.vehicle.simulation.structure_motions import with_motions_at_rates
+from wheelrail.vehicle.simulation.table_stages import TableStages
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError
 from wheelrail.vehicle.steady.start_state import start_state
 
 Progress = Callable[[float, Mapping[str, float]], None]
+
+SETTLED = 1e-8  # m and rad, of motions that follow constant loads: 10 N on a contact
+MOST_NEWTON = 8  # Newton steps; 2 suffice from states within a step of the integration
 
 
 @dataclass(frozen=True)
@@ -165,6 +169,7 @@ class TimeRun:
             next_end=self._next_end if self.dynamics.drifts else None,
             longest=Excitation(self.dynamics, float(np.min(self.steps.atol)), self.steps.output_tolerance).longest_step,
             settle=self.dynamics.settle,
+            inner=None if self.dynamics.stages is None else TableStages(self.dynamics, self.dynamics.stages),
         )
         for count, step in enumerate(steps, start=1):
             if self._accept(step):
@@ -206,6 +211,35 @@ class TimeRun:
             done = max((step.t - t0) / (t1 - t0), distance / self.until)
             self.progress(done, _figures(step.t, step.t - step.t0, distance, self.cost))
         return distance >= self.until or (self.dynamics.runs_free and speed < SLOWEST)
+
+
+def with_motions_at_rates(
+    dynamics: VehicleDynamics, time: float, state: Array, rates: Array, previous: VehicleEvaluation
+) -> tuple[Array, VehicleEvaluation]:
+    """State whose motions of axle and rails have given rates under the loads of the contacts, and its evaluation.
+
+    Interpolated motions are not accurate enough: wheel and rail both move, and an error of 10 um between them is one of
+    10 kN. Rates are.
+    Parameters:
+        dynamics: equations of motion, with elastic axles or rails.
+        time: s.
+        state: (2 c + m + k,), of which the last k are a first approximation.
+        rates: (k,) m/s and rad/s.
+        previous: evaluation nearby, whose contacts are the initial guess.
+
+    Raises StepFailure when a contact solve fails, and without convergence.
+    """
+    distances = dynamics.distances(dynamics.speed_profile(time), state)
+    state, first, jacobian = state.copy(), dynamics.coordinates.size, VehicleJacobian(dynamics, StepStatistics())
+    for _ in range(MOST_NEWTON):
+        evaluation = dynamics(time, state, previous)
+        error = evaluation.rate[first:] - rates
+        if np.abs(dynamics.structures.static(error, distances)).max() <= SETTLED:
+            return state, evaluation
+        slopes = jacobian(time, state, evaluation).by_state[first:, first:]
+        state[first:] -= np.linalg.solve(slopes, error)
+        previous = evaluation
+    raise StepFailure(f"motions of axle and rails do not settle in {MOST_NEWTON} Newton steps")
 
 
 def _figures(time: float, step: float, distance: float, cost: RunCost) -> dict[str, float]:

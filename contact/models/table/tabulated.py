@@ -40,6 +40,11 @@ class TabulatedContact:
         """The table alone, with a border."""
         return TableContact(self.table.bordered())
 
+    @property
+    def alone(self) -> TableContact:
+        """The table without a border, and without the elastic contact."""
+        return TableContact(self.table)
+
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         inside = self.inside
         force = inside.table.force(pose, motion)

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import applied_loads, run_track, vehicle_on
-from wheelrail.scenes.builders.wheelset import run_contact
+from wheelrail.scenes.builders.wheelset import run_contact, stages_contact
 from wheelrail.scenes.datasets.input_files import FILES, packed
 from wheelrail.scenes.datasets.result_table import Results
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
@@ -162,6 +162,7 @@ def _simulated(
     vehicle = vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
         contact, structures = run_contact(scene, vehicle.wheelsets)
+        stages = stages_contact(scene, vehicle.wheelsets)
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
     from wheelrail.vehicle.simulation.parallel_contact import in_threads
     from wheelrail.vehicle.simulation.time_run import Recording
@@ -178,7 +179,7 @@ def _simulated(
         progress_bar(console, length, start_distance) as progress,
     ):
         recording = Recording(scene.output.interval or None, checkpoints)
-        return simulate_on_track(scene, vehicle, parallel, end, recording, progress, structures)
+        return simulate_on_track(scene, vehicle, parallel, end, recording, progress, structures, stages)
 
 
 def vehicle_for_run(scene: RunScene, file: Path | None = None) -> Vehicle:
@@ -212,6 +213,7 @@ def simulate_on_track(
     recording: Recording,
     progress: Progress,
     structures: Sequence[Structure | None] | None = None,
+    stages: VehicleContact | None = None,
 ) -> History:
     """Motion of a vehicle along the track of a scene.
 
@@ -223,6 +225,7 @@ def simulate_on_track(
         recording: rows and checkpoints.
         progress: called at each accepted step.
         structures: axle and rails of each wheelset, where they are elastic.
+        stages: contact of the inner stages of steps, see `stages_contact`; None: that of all.
 
     A vehicle that runs free does so until it reaches the end of the track itself, or stops. Raises RunFailed when a
     kicked vehicle has no equilibrium to start from, and SceneError as `run_track`.
@@ -236,7 +239,7 @@ def simulate_on_track(
 
     rails, initial, until = run_track(scene, vehicle), None, inf
     loads = applied_loads(scene, vehicle)
-    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile, structures, loads)
+    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile, structures, loads, stages)
     if dynamics.runs_free:
         until = scene.track.length
         end = until / SLOWEST

@@ -1,0 +1,136 @@
+"""Runs of Manchester 1 on tables of forces: with a border to elastic contact, and in the inner stages of steps.
+
+Each yields rows for `benchmarks.vehicle_complete`: name, value, expected value, largest difference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.vehicle_contact import VehicleContact
+from wheelrail.scenes.builders.vehicle_file import MANCHESTER
+from wheelrail.scenes.builders.wheelset import run_contact, stages_contact
+from wheelrail.scenes.runs.run import simulate_on_track, vehicle_for_run
+from wheelrail.scenes.schema.scene import RunScene, checked
+from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.support.arrays import Array
+from wheelrail.vehicle.evaluation.running_safety import low_pass
+from wheelrail.vehicle.multibody.coordinates import Y
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.time_run import Recording
+
+Row = tuple[str, float, float, float]
+ELASTIC: dict[str, Any] = {"model": "condensed", "laws": "exact", "surface_size": 1e-3, "strips": 4, "cells": 10}
+EVERY = 4e-3  # s, between rows
+LOWERED = WheelsetState(z=-1.2e-4, roll=1e-4, yaw=1e-3, y_rate=0.02, speed=25.0, pitch_rate=25.0 / 0.46 * 1.0005)
+SPACING = 5e-6  # m, of places over which forces are compared
+
+
+def scene(file: str, tolerance: float = 1.0, **tables: object) -> RunScene:
+    """Scene of a run with elastic contact on 4 x 10 strips and cells, at a part of its tolerances."""
+    path = MANCHESTER.parent / file
+    data = parse(read_text(path), path)
+    solver = {**data["solver"], **{key: tolerance * data["solver"][key] for key in ("rtol", "atol")}}
+    found = checked({**data, **ELASTIC, "solver": solver, "tabulated": {}, **tables}, Path(path))
+    assert isinstance(found, RunScene)
+    return found
+
+
+@cache
+def contact(file: str = "vehicle_irregular.toml") -> WheelsetContact:
+    """Contact by a table with a border."""
+    found, _ = run_contact(scene(file), ())
+    assert isinstance(found, WheelsetContact)
+    return found
+
+
+@cache
+def elastic() -> WheelsetContact:
+    """The same without the table."""
+    return contact().changed(lambda model: model.elastic)  # type: ignore[attr-defined]
+
+
+@cache
+def table() -> VehicleContact | None:
+    """The table alone, for inner stages."""
+    own = scene("vehicle_irregular.toml")
+    return stages_contact(own.model_copy(update={"solver": own.solver.model_copy(update={"stages": "table"})}), ())
+
+
+def run(
+    own: RunScene, model: VehicleContact, seconds: float, stages: VehicleContact | None = None, every: float = EVERY
+) -> tuple[History, float]:
+    """History of a run, and processor time per simulated second, start included."""
+    start = process_time()
+    vehicle = vehicle_for_run(own, MANCHESTER)
+    history = simulate_on_track(own, vehicle, model, seconds, Recording(every), lambda *_: None, None, stages)
+    return history, (process_time() - start) / float(history.time[-1])
+
+
+def loads(history: History) -> Array:
+    """Vertical loads (n, w, 2) N of all wheels every 2 ms, low-passed at 20 Hz."""
+    time = np.arange(history.time[0], history.time[-1] - 1e-9, 2e-3)
+    flat = history.force[..., 2].reshape(len(history), -1)
+    return np.array([low_pass(np.interp(time, history.time, one)) for one in flat.T])
+
+
+def errors(own: History, reference: History) -> tuple[float, float]:
+    """RMS errors: of lateral displacements, mm, and of low-passed loads, % of their mean."""
+    names = own.dynamics.vehicle.wheelsets
+    lateral = np.array([own.coordinate(name, Y) - reference.coordinate(name, Y) for name in names])
+    one, other = loads(own), loads(reference)
+    return 1e3 * float(np.sqrt((lateral**2).mean())), 100.0 * float(np.sqrt(((one - other) ** 2).mean()) / other.mean())
+
+
+def solves(history: History) -> int:
+    """Solves of both sides, without those of rows."""
+    return sum(side.solves for side in history.cost.contact.values())
+
+
+def irregular(seconds: float = 1.0) -> Iterator[Row]:
+    """Class low at 45 m/s: errors against a tenth of the tolerances, solves, and processor time without rows."""
+    own, tight = scene("vehicle_irregular.toml"), scene("vehicle_irregular.toml", 0.1)
+    reference, _ = run(tight, elastic(), seconds)
+    runs = {"elastic": (elastic(), None), "stages": (elastic(), table()), "table": (contact(), None)}
+    found = {name: errors(run(own, *pair_of(pair, seconds))[0], reference) for name, pair in runs.items()}
+    bare = {name: run(own, *pair_of(pair, seconds), every=seconds) for name, pair in runs.items()}
+    for name, (lateral, load) in found.items():
+        history, spent = bare[name]
+        yield f"irregular, {name}: RMS error of y, mm", lateral, 0.0, 0.2
+        yield f"irregular, {name}: RMS error of loads below 20 Hz, %", load, 0.0, 1.0
+        yield f"irregular, {name}: steps", float(history.cost.steps.accepted), 0.0, np.inf
+        yield f"irregular, {name}: processor s per s", spent, 0.0, 0.33 if name == "table" else np.inf
+    yield "loads, stages by table over elastic", found["stages"][1] / found["elastic"][1], 0.0, 1.1
+    yield "solves, stages by table over elastic", solves(bare["stages"][0]) / solves(bare["elastic"][0]), 0.0, 0.55
+
+
+def pair_of(
+    pair: tuple[VehicleContact, VehicleContact | None], seconds: float
+) -> tuple[VehicleContact, float, VehicleContact | None]:
+    """Arguments of a run from contact and stages."""
+    return pair[0], seconds, pair[1]
+
+
+def border(seconds: float = 1.0) -> Iterator[Row]:
+    """Hunting through the border in y, and second differences of the force over it."""
+    own = scene("hunting.toml")
+    on_table, _ = run(own, contact("hunting.toml"), seconds, every=seconds)
+    solved, _ = run(own, elastic(), seconds, every=seconds)
+    steps = on_table.cost.steps.accepted / solved.cost.steps.accepted
+    yield "hunting: steps, table with border over elastic", steps, 0.0, 1.0
+    force = {True: list[Array](), False: list[Array]()}
+    for y in np.arange(4.2e-3, 5.3e-3, SPACING):
+        state = replace(LOWERED, y=float(y))
+        for on, model in ((True, contact()), (False, elastic())):
+            force[on].append(model(state, "left").force)
+    own_, solved_ = (np.abs(np.diff(force[on], 2, axis=0)).max() for on in (True, False))
+    yield "second differences of the force over 5 um, over those of elastic contact", float(own_ / solved_), 0.0, 1.0
