@@ -4,8 +4,8 @@ python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|wheels
 
 A plane run against the same wagon as a vehicle file; rigid and elastic vehicles against values measured before;
 derivatives against differences and the energy balance; the gauge on rigid sleepers; independent wheels; P2 of a
-dipped joint against a linear model; runs on tables of forces beside elastic contact. --quick: a rigid vehicle and an elastic one, one place
-of the strips and one speed.
+dipped joint against a linear model; runs on tables of forces beside elastic contact. --quick: a rigid
+vehicle and an elastic one, one place of the strips and one speed.
 """
 
 from __future__ import annotations
