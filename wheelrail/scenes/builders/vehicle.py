@@ -89,6 +89,12 @@ def vehicle_on(scene: RunScene, file: Path | None = None) -> Vehicle:
 
         return plane_vehicle(wagon(scene))
     vehicle = load_vehicle(file)
+    check_fit(scene, vehicle, file)
+    return vehicle
+
+
+def check_fit(scene: RunScene, vehicle: Vehicle, file: Path) -> None:
+    """Raise SceneError for a vehicle that does not fit a scene; file: of the vehicle."""
     tables: dict[str, tuple[str, ...]] = {f"wheelsets.{name}": (name,) for name in scene.wheelsets or {}}
     tables |= {f"contacts.{name}.wheelsets": own.wheelsets for name, own in (scene.contacts or {}).items()}
     for key, names in tables.items():
@@ -100,4 +106,3 @@ def vehicle_on(scene: RunScene, file: Path | None = None) -> Vehicle:
     if vehicle.radius != scene.wheelset.radius:
         text = f"must be {scene.wheelset.radius:g} m, wheelset.radius of the scene"
         raise SceneError(f"{file}: bodies.{vehicle.wheelsets[0]}.height = {vehicle.radius:g}: {text}")
-    return vehicle

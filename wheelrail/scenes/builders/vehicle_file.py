@@ -176,11 +176,16 @@ def parse_vehicle(text: str, path: str | Path, *, warn: bool = False) -> Vehicle
 
     Raises SceneError as `load_vehicle`.
     """
+    return vehicle_of(parse(text, path), path, warn=warn)
+
+
+def vehicle_of(tables: Mapping[str, Any], path: str | Path, *, warn: bool = False) -> Vehicle:
+    """Vehicle of the tables of a file; parameters and errors as of `parse_vehicle`."""
     from wheelrail.vehicle.multibody.elements import InvalidVehicle
     from wheelrail.vehicle.multibody.static_loads import static_loads
     from wheelrail.vehicle.steady.held_bodies import require_held
 
-    data = _with_types(parse(text, path), path)
+    data = _with_types(tables, path)
     try:
         table = VehicleFileTable.model_validate(data)
     except ValidationError as error:

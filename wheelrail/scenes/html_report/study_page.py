@@ -90,7 +90,7 @@ def failures(data: Dataset, file: str) -> PageTable | PageNote:
 
 
 def _pictures(data: Dataset) -> list[Any]:
-    from wheelrail.scenes.studies.plots import convergence, lines, sensitivity
+    from wheelrail.scenes.studies.plots import convergence, drawings, sensitivity
 
     sampled = SAMPLE in data.dims
     caption = (
@@ -100,7 +100,7 @@ def _pictures(data: Dataset) -> list[Any]:
     )
     errors = "Relative errors [%] over the refined parameter, and over the time for the contact solves [s]"
     return [
-        picture(partial(sensitivity if sampled else lines, data), caption, caption),
+        picture(partial(sensitivity if sampled else drawings(data)["study"], data, None), caption, caption),
         picture(partial(convergence, data), errors, errors),
     ]
 

@@ -12,11 +12,13 @@ from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
+from wheelrail.scenes.builders.vehicle_tables import VEHICLE_FILE
 from wheelrail.scenes.schema.scene import Scene, checked
 from wheelrail.scenes.studies.plan import StudyCase
 from wheelrail.support.text_file import read_bytes
 
 MOST = 1000.0  # MB, of a file of the scene
+VEHICLE = "vehicle.toml"
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,7 @@ class Job:
         timed: whether computing times are compared; a process then solves its first case twice, the first time for
             loading and compiling, and every contact once more, for its warm time.
         folder: for checkpoints and data of a run, on machines that have it.
+        compute: "run", or "curving" or "critical" of the vehicle.
 
     A run uses one process; the other ones are used by other cases.
     """
@@ -43,9 +46,18 @@ class Job:
     key: str
     timed: bool = False
     folder: str = ""
+    compute: str = "run"
 
     @classmethod
-    def of(cls, case: StudyCase, *, histories: bool = False, timed: bool = False, folder: Path | None = None) -> Job:
+    def of(
+        cls,
+        case: StudyCase,
+        *,
+        histories: bool = False,
+        timed: bool = False,
+        folder: Path | None = None,
+        compute: str = "run",
+    ) -> Job:
         """Job of a case; folder: of completed cases. Raises OSError for a missing file."""
         files: dict[str, bytes] = {}
         table = _packed(dict(case.table), case.scene.model_dump(), files)
@@ -53,20 +65,26 @@ class Job:
             table |= {"solver": {**table.get("solver", {}), "workers": 1}}
             table |= {"output": {**table.get("output", {}), "figures": False}}
         content = {"scene": table, "histories": histories, "timed": timed, "computer": computer()}
+        content |= {} if compute == "run" else {"compute": compute}
         text = json.dumps(content, sort_keys=True, default=list)
         key = hashlib.sha256(text.encode()).hexdigest()[:24]
         place = str(folder.absolute()) if folder is not None and case.scene.kind == "run" else ""
-        return cls(table, files, histories, computer(), key, timed, place)
+        return cls(table, files, histories, computer(), key, timed, place, compute)
 
     @contextmanager
     def scene(self) -> Iterator[tuple[Scene, Path]]:
-        """The validated scene, and a temporary folder with its files, which is removed at the end."""
+        """The validated scene, and a temporary folder with its files and vehicle.toml, which is removed at the end."""
         with tempfile.TemporaryDirectory(prefix="wheelrail-case-") as name:
             for path, content in self.files.items():
                 file = Path(name, path)
                 file.parent.mkdir(exist_ok=True)
                 file.write_bytes(content)
-            yield checked(self.table, Path(name, "case")), Path(name)
+            tables = {key: value for key, value in self.table.items() if key != VEHICLE_FILE}
+            if VEHICLE_FILE in self.table:
+                import tomli_w
+
+                Path(name, VEHICLE).write_text(tomli_w.dumps(self.table[VEHICLE_FILE]), encoding="utf-8")
+            yield checked(tables, Path(name, "case")), Path(name)
 
 
 def unfinished(folder: Path, key: str) -> Path:

@@ -11,17 +11,26 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from wheelrail.scenes.builders.vehicle_tables import (
+    VEHICLE_FILE,
+    is_of_vehicle,
+    located,
+    unit_in_vehicle,
+    value_at,
+    with_own_values,
+)
 from wheelrail.scenes.schema.edits import changed, keys_of, without
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.messages import unit_of, whole
 from wheelrail.scenes.schema.scene import KINDS, HertzScene, Scene, checked
-from wheelrail.scenes.studies.schema import Convergence, LatinHypercube, StudyTable
+from wheelrail.scenes.studies.schema import Between, Convergence, LatinHypercube, StudyTable
 from wheelrail.scenes.studies.validation import SceneChecker, study_messages
 
 MAX_CASES = 10_000  # cases, to detect typing errors
 MAX_MESSAGES = 5  # error messages about cases
 MAX_CASES_AFTER_ERROR = 500  # cases validated after the first error
 SAMPLE = "sample"  # the dimension of a Latin hypercube
+VARIATION = "variation"  # the dimension of parameters that are varied one at a time; its first point varies none
 
 
 @dataclass(frozen=True)
@@ -52,7 +61,7 @@ class StudyAxis:
         """Location in the study file of the value of a parameter at a point."""
         if self.reference and index == len(self) - 1:
             return f"convergence.reference.{name}"
-        return f"{self.where}.{name}" + ("" if self.name == SAMPLE else f"[{index}]")
+        return f"{self.where}.{name}" + ("" if self.name in (SAMPLE, VARIATION) else f"[{index}]")
 
 
 @dataclass(frozen=True)
@@ -95,12 +104,17 @@ def plan(study: StudyTable, path: str | Path = "study") -> Plan:
     Raises SceneError for too many cases, and for invalid ones, naming file, case, key, value and what is allowed.
     """
     base, file = study.base(Path(path).parent)
-    base = changed(without(base, study.without, f"{path}: without"), study.set, path)
+    names = [name for _, table in study.parameter_tables for name in table]
+    base = with_own_values(without(base, study.without, f"{path}: without"), names)
+    base = changed(base, {located(name, base): value for name, value in study.set.items()}, path)
     kind = base.get("kind")
+    _check_vehicle(study, base, names, path)
     if not isinstance(kind, str) or kind not in KINDS:
-        checked(base, file)  # raises the error
+        checked({key: value for key, value in base.items() if key != VEHICLE_FILE}, file)  # raises the error
     model = KINDS[str(kind)]
-    axes = _axes(study, lambda name: whole(model, keys_of(name)))
+    axes = _axes(study, lambda name: not is_of_vehicle(name) and whole(model, keys_of(name)))
+    if study.one_at_a_time:
+        axes.append(_one_at_a_time(study.one_at_a_time, base, path))
     over = None if study.convergence is None else _over(study.convergence, axes, model, path)
     axes = [over if over and axis.name == over.name else axis for axis in axes]
     if (count := prod(map(len, axes))) > MAX_CASES:
@@ -109,7 +123,11 @@ def plan(study: StudyTable, path: str | Path = "study") -> Plan:
     cases = _cases(axes, base, study, file, path)
     if study.histories:
         _check_histories(cases, path)
-    units = {name: unit_of(model, keys_of(name)) for axis in axes for name in axis.values}
+    units = {
+        name: unit_in_vehicle(name, base) if located(name, base) != name else unit_of(model, keys_of(name))
+        for axis in axes
+        for name in axis.values
+    }
     return Plan(study, tuple(axes), tuple(cases), units, base, str(kind), over)
 
 
@@ -120,6 +138,31 @@ def _axes(study: StudyTable, whole: Callable[[str], bool]) -> list[StudyAxis]:
         samples = draw(study.latin_hypercube, set(filter(whole, study.latin_hypercube.ranges)))
         axes.append(StudyAxis(SAMPLE, samples, where="latin_hypercube.ranges"))
     return axes
+
+
+def _check_vehicle(study: StudyTable, base: Mapping[str, Any], names: Sequence[str], path: str | Path) -> None:
+    """Raises SceneError for what needs a vehicle file and has none, and for a vehicle without a run."""
+    if VEHICLE_FILE in base:
+        if base.get("kind") != "run":
+            raise SceneError(f'{path}: vehicle: allowed only for a scene with kind = "run"')
+        return
+    if study.compute != "run":
+        raise SceneError(f'{path}: compute = "{study.compute}": needs vehicle, a vehicle file')
+    for name in names:
+        if is_of_vehicle(name):
+            raise SceneError(f"{path}: {name}: needs vehicle, a vehicle file")
+
+
+def _one_at_a_time(ranges: Mapping[str, Between], base: Mapping[str, Any], path: str | Path) -> StudyAxis:
+    """Dimension of the nominal point and both ends of every range. Raises SceneError for a value that is no number."""
+    columns: dict[str, list[float]] = {}
+    for k, (name, range_) in enumerate(ranges.items()):
+        nominal = value_at(base, name)
+        if isinstance(nominal, bool) or not isinstance(nominal, int | float):
+            raise SceneError(f"{path}: one_at_a_time.{name}: must be a number that scene or vehicle file have")
+        columns[name] = [float(nominal)] * (1 + 2 * len(ranges))
+        columns[name][1 + 2 * k : 3 + 2 * k] = [range_.low, range_.high]
+    return StudyAxis(VARIATION, columns, where="one_at_a_time")
 
 
 def _cases(
@@ -134,7 +177,7 @@ def _cases(
     def messages_of(index: tuple[int, ...]) -> Iterator[str]:
         parameters = parameters_at(index) | _common(axes, index)
         try:
-            table = changed(base, parameters, path)
+            table = changed(base, {located(name, base): value for name, value in parameters.items()}, path)
             cases[index] = StudyCase(index, parameters, table, checker(table))
         except SceneError as error:
             locations = {name: f"set.{name}" for name in study.set}
@@ -207,7 +250,7 @@ def _extremes(axis: StudyAxis) -> Iterator[int]:
 def _scene_errors(base: Mapping[str, Any], file: Path) -> list[str]:
     """Errors of the scene itself, without the variation."""
     try:
-        checked(base, file)
+        checked({key: value for key, value in base.items() if key != VEHICLE_FILE}, file)
     except SceneError as error:
         return [line.removeprefix(f"{file}: ") for line in str(error).splitlines()]
     return []

@@ -10,8 +10,9 @@ import numpy as np
 
 from wheelrail.scenes.plots import errors as panels
 from wheelrail.scenes.plots.style import SERIES, literal, save, styled
+from wheelrail.scenes.plots.tornado import range_label, tornado
 from wheelrail.scenes.studies.convergence import errors_of, finest_of, increasing_of, largest_errors, series_of
-from wheelrail.scenes.studies.plan import SAMPLE, shown
+from wheelrail.scenes.studies.plan import SAMPLE, VARIATION, shown
 from wheelrail.scenes.studies.quantities import QUANTITIES, varying
 from wheelrail.scenes.studies.tables import dimensions, order_text, parameters, series_label
 
@@ -40,8 +41,9 @@ def draw_study(data: Dataset, folder: Path) -> list[Path]:
 
 def drawings(data: Dataset) -> dict[str, Callable[[Dataset, Figure | None], Figure | None]]:
     """Functions that draw the figures of a study, by name."""
+    alone = data["status"].dims == (VARIATION,)
     functions: dict[str, Callable[[Dataset, Figure | None], Figure | None]] = {
-        "study": sensitivity if SAMPLE in data.dims else lines
+        "study": sensitivity if SAMPLE in data.dims else one_at_a_time if alone else lines
     }
     return functions | ({"convergence": convergence} if errors_of(data) else {})
 
@@ -121,6 +123,23 @@ def sensitivity(data: Dataset, figure: Figure | None = None) -> Figure | None:
         _along(dots, data[strongest])
         if columns is not None:
             dots.legend()
+    return figure
+
+
+def one_at_a_time(data: Dataset, figure: Figure | None = None) -> Figure | None:
+    """Tornado diagrams of the main quantities, the larger one of both sides."""
+    names, sampled = varying(data)[:4], parameters(data)
+    if not names:
+        return None
+    ends = np.arange(1, data.sizes[VARIATION]).reshape(-1, 2)
+    labels = [range_label(data[p].attrs, data[p].values[ends[k]]) for k, p in enumerate(sampled)]
+    figure, axes = _panels(figure, len(names), columns=1)
+    figure.set_size_inches(7.2, (0.9 + 0.22 * len(sampled)) * len(names))
+    for ax, name in zip(axes, names, strict=True):
+        values = data[name].max("side") if "side" in data[name].dims else data[name]
+        own = QUANTITIES[name].scale * values.values
+        tornado(ax, labels, own[ends], float(own[0]), QUANTITIES[name].head)
+    axes[0].legend(loc="lower right")
     return figure
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from wheelrail.scenes.datasets.run_file import is_of_wagon
 from wheelrail.scenes.quantities import AXES, CONTACT, ERRORS, PATCH, RUN, SOLUTION, TURNS
 from wheelrail.scenes.quantity import Quantity
 from wheelrail.vehicle.multibody.plane_wagon import HELD
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from xarray import DataArray, Dataset
 
     from wheelrail.scenes.contacts.side_values import SideValues
+    from wheelrail.vehicle.steady.critical_speed import CriticalSpeed
 
 ALL = "all patches"
 # Reduction of the values of a run over time and patches: word of the label, words of the meaning, function.
@@ -36,7 +38,7 @@ class Reduced(NamedTuple):
     def of(self, data: Dataset) -> DataArray:
         """Values over time, and side and patch."""
         values = data[self.variable].sel(self.at, drop=True)
-        return values.squeeze(["wheelset"] if "wheelset" in values.dims else [], drop=True)
+        return values.squeeze(["wheelset"] if values.sizes.get("wheelset") == 1 else [], drop=True)
 
     @property
     def place(self) -> str:
@@ -113,7 +115,18 @@ HISTORIES = {
     "wheelset_z": Reduced("body_z", "", {"body": "wheelset"}),
     **{name: Reduced(name, "") for name in (*FORCES, "t_gamma")},
 }
-PHYSICAL = {name: own.quantity for name, own in (RUN_SIDES | RUN_WHOLE).items()}
+OF_VEHICLE = {
+    "largest_guiding_force": Reduced("guiding_force", "largest"),
+    "largest_derailment_quotient": Reduced("derailment_quotient", "largest"),
+    "largest_track_shifting_force": Reduced("track_shifting_force", "largest"),
+    "greatest_wheel_unloading": Reduced("wheel_unloading", "greatest"),
+}
+STEADY = {
+    **{name: own.quantity for name, own in OF_VEHICLE.items()},
+    "critical_speed": Quantity((), "m/s", "linear critical speed on straight track", label="critical speed"),
+    "critical_frequency": Quantity((), "Hz", "frequency of the mode at the critical speed", label="frequency"),
+}
+PHYSICAL = {name: own.quantity for name, own in (RUN_SIDES | RUN_WHOLE).items()} | STEADY
 PHYSICAL = {**CONTACT_SIDES, **STRESSES, **{name: own for name, own in PHYSICAL.items() if name not in CONTACT_SIDES}}
 QUANTITIES: dict[str, Quantity] = {
     **PHYSICAL,
@@ -126,6 +139,8 @@ MAIN = (
     *("max_pressure", "area", "lateral_force", "longitudinal_force", "approach", "normal_force"),
     *("largest_wheelset_y", "largest_lateral_force", "least_vertical_force", "greatest_t_gamma"),
     "largest_car_body_roll",
+    *("critical_speed", "largest_guiding_force", "largest_derailment_quotient", "largest_track_shifting_force"),
+    "greatest_wheel_unloading",
 )
 SAME = 1e-4  # relative differences below it are due to the load search
 
@@ -168,9 +183,29 @@ def of_run(data: Dataset) -> tuple[dict[str, dict[str, float]], dict[str, float]
             "newton_iterations": float(side_data["newton_iterations"]),
             "solve_seconds": float(side_data["contact_seconds"]),
         }
-    run_values = {name: _number(own, data) for name, own in RUN_WHOLE.items()}
+    whole = RUN_WHOLE if is_of_wagon(data) else OF_VEHICLE | {"distance": RUN_WHOLE["distance"]}
+    run_values = {name: _number(own, data) for name, own in whole.items()}
     run_values |= {name: float(data.attrs[name]) for name in ("steps_accepted", "steps_rejected", "evaluations")}
     return sides, run_values | {"run_seconds": float(data.attrs["seconds"])}
+
+
+def of_curve(wheelsets: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """Quantities of a steady curve, of the rows of its wheelsets."""
+    columns = {
+        name: np.ravel([list(own.values()) if isinstance(own, Mapping) else own for own in values]).astype(float)
+        for name, key in ((name, own.variable) for name, own in OF_VEHICLE.items())
+        for values in [[row[key] for row in wheelsets]]
+    }
+    return {name: float(REDUCTIONS[OF_VEHICLE[name].reduction][2](values)) for name, values in columns.items()}
+
+
+def of_critical_speeds(found: Sequence[CriticalSpeed]) -> dict[str, float]:
+    """Mean over the places of the strips."""
+    speeds = [own.speed for own in found]
+    return {
+        "critical_speed": float(np.mean(speeds)),
+        "critical_frequency": float(np.mean([own.mode.frequency for own in found])),
+    }
 
 
 def histories_of(data: Dataset) -> dict[str, Any]:

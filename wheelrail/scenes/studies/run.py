@@ -181,7 +181,9 @@ class StudyRun:
         indices: dict[str, list[tuple[int, ...]]] = {}
         for case in planned.cases:
             timed = planned.convergence is not None
-            job = Job.of(case, histories=planned.study.histories, timed=timed, folder=store.folder)
+            job = Job.of(
+                case, histories=planned.study.histories, timed=timed, folder=store.folder, compute=planned.study.compute
+            )
             jobs[job.key] = job
             indices.setdefault(job.key, []).append(case.index)
         if fresh:

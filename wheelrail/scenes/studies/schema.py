@@ -84,15 +84,20 @@ class Convergence(SceneTable):
 class StudyTable(SceneTable):
     """A study; its cases are all combinations of `grid`, `together` and `latin_hypercube`.
 
-    scene: file, relative to the study's folder, or a table. workers: processes on this machine, one per core by
-    default. histories: store time histories of runs. without: keys to remove from the scene. set: values for all cases.
-    grid: values by parameter. together: tables of parameters that change at the same time. skip: tables of values, by
-    parameter; cases that have all values of a table are not computed. Parameters are dotted keys of the scene:
+    scene: file, relative to the study's folder, or a table. vehicle: vehicle file, whose values are parameters, too:
+    vehicle.elements.primary.stiffness.1. compute: the run in time, the steady curve or the critical speed of a scene of
+    a run with a vehicle file. one_at_a_time: each parameter alone at both ends of its range. workers: processes on this
+    machine, one per core by default. histories: store time histories of runs. without: keys to remove from the scene.
+    set: values for all cases. grid: values by parameter. together: tables of parameters that change at the same time.
+    skip: tables of values, by parameter; cases that have all values of a table are not computed. Parameters are dotted
+    keys of the scene:
     upper.radii, creepage.0.
     """
 
     kind: Literal["study"] = "study"
     scene: str | dict[str, Any]
+    vehicle: str | None = None
+    compute: Literal["run", "curving", "critical"] = "run"
     workers: Processes | None = None
     histories: bool = False
     without: Annotated[tuple[str, ...], Strict(False)] = ()
@@ -100,6 +105,7 @@ class StudyTable(SceneTable):
     grid: dict[str, Values] = Field(default_factory=dict)
     together: Annotated[tuple[dict[str, Values], ...], Strict(False)] = ()
     latin_hypercube: LatinHypercube | None = None
+    one_at_a_time: dict[str, Between] = Field(default_factory=dict)
     skip: Annotated[tuple[dict[str, Values], ...], Strict(False)] = ()
     convergence: Convergence | None = None
 
@@ -114,11 +120,23 @@ class StudyTable(SceneTable):
             raise q.reject("must be an existing scene file, relative to the study's folder")
         return str(file.resolve())
 
+    @field_validator("vehicle")
+    @classmethod
+    def _vehicle(cls, value: str | None, info: ValidationInfo) -> str | None:
+        """A vehicle file as its full path."""
+        if value is not None:
+            file = Path((info.context or {}).get("folder", "."), value)
+            if not (present(file) and file.is_file()):
+                raise q.reject("must be an existing vehicle file, relative to the study's folder")
+            return str(file.resolve())
+        return None
+
     @model_validator(mode="after")
     def _varied(self) -> StudyTable:
         if not any(self.tables):
             raise q.reject(
-                "nothing is varied; values in [grid], [[together]] or [latin_hypercube] are required", "grid"
+                "nothing is varied; values in [grid], [[together]], [latin_hypercube], [one_at_a_time] are required",
+                "grid",
             )
         parameters = [(name, location) for location, table in self.parameter_tables for name in table]
         for name, location in parameters:
@@ -159,7 +177,8 @@ class StudyTable(SceneTable):
     def parameter_tables(self) -> tuple[tuple[str, Mapping[str, Any]], ...]:
         """Tables of parameters with their location in the study."""
         cube = self.latin_hypercube
-        ranges = (("latin_hypercube", cube.ranges),) if cube else ()
+        ranges: tuple[tuple[str, Mapping[str, Any]], ...] = (("latin_hypercube", cube.ranges),) if cube else ()
+        ranges += (("one_at_a_time", self.one_at_a_time),) if self.one_at_a_time else ()
         return (("set", self.set), ("grid", self.grid), *(("together", table) for table in self.together), *ranges)
 
     @property
@@ -173,11 +192,12 @@ class StudyTable(SceneTable):
         return self.workers or len(os.sched_getaffinity(0))
 
     def base(self, folder: str | Path) -> tuple[dict[str, Any], Path]:
-        """Tables of the scene and its file (hypothetical for a scene in the study)."""
-        if isinstance(self.scene, str):
-            file = Path(self.scene)
-            return parse(read_text(file), file), file
-        return self.scene, Path(folder, "scene")
+        """Tables of the scene, with those of the vehicle, and its file (hypothetical for a scene in the study)."""
+        from wheelrail.scenes.builders.vehicle_tables import VEHICLE_FILE, vehicle_tables
+
+        file = Path(self.scene) if isinstance(self.scene, str) else Path(folder, "scene")
+        tables = parse(read_text(file), file) if isinstance(self.scene, str) else self.scene
+        return (tables if self.vehicle is None else {**tables, VEHICLE_FILE: vehicle_tables(self.vehicle)}), file
 
 
 def _differ(name: str, location: str, rows: Sequence[Any]) -> None:
@@ -216,7 +236,7 @@ def check_study(data: Mapping[str, Any], path: str | Path = "study") -> StudyTab
 def _dotted(data: Mapping[str, Any]) -> dict[str, Any]:
     """Dotted names of parameters written without quotes, `upper.radii = ...`, which TOML reads as nested tables."""
     study = dict(data)
-    for key in ("set", "grid"):
+    for key in ("set", "grid", "one_at_a_time"):
         if isinstance(data.get(key), Mapping):
             study[key] = flat(data[key], RANGE)
     for key in ("together", "skip"):

@@ -15,10 +15,11 @@ from typing import Any
 
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
-from wheelrail.scenes.studies.job import Job, computer, run_data, unfinished
+from wheelrail.scenes.studies.job import VEHICLE, Job, computer, run_data, unfinished
 
 SOLVE_LOCK = threading.Lock()  # C libraries are not thread-safe; workers of a cluster may have several threads
 REPETITIONS, ENOUGH = 5, 0.5  # of a timed solve: largest number, and seconds after which it is not repeated
+SPEEDS, PLACES = (5.0, 150.0), 4  # m/s, range of critical speeds, and places of strips over which they are averaged
 WARM: set[bool] = set()  # not empty after the first case of this process
 
 
@@ -83,7 +84,24 @@ def _solved(job: Job) -> dict[str, Any]:
         text = "the worker has another version of the wheelrail sources than the process that started the study"
         return {"status": "failed", "error": text, "lost": True}
     with job.scene() as (scene, folder):
-        return _run(scene, folder, job) if isinstance(scene, RunScene) else _contact(scene, timed=job.timed)
+        if not isinstance(scene, RunScene):
+            return _contact(scene, timed=job.timed)
+        return _run(scene, folder, job) if job.compute == "run" else _steady(scene, folder / VEHICLE, job.compute)
+
+
+def _steady(scene: RunScene, vehicle: Path, compute: str) -> dict[str, Any]:
+    """Steady curve, or linear critical speed, of a vehicle."""
+    from wheelrail.scenes.runs.steady import critical_speeds_of, curve_of, equilibria_of, equilibrium_tables
+    from wheelrail.scenes.studies.quantities import of_critical_speeds, of_curve
+
+    if compute == "critical":
+        found = critical_speeds_of(scene, vehicle, SPEEDS, PLACES)
+        if any(own is None for own in found):
+            return _ended(f"failed: no critical speed from {SPEEDS[0]:g} to {SPEEDS[1]:g} m/s")
+        return _ended("completed") | {"whole": of_critical_speeds([own for own in found if own is not None])}
+    curve = curve_of(scene)
+    (at,) = equilibria_of(scene, vehicle, [scene.vehicle.first_speed], curve)
+    return _ended("completed") | {"whole": of_curve(equilibrium_tables(at, curve)[0].records)}
 
 
 def _contact(scene: HertzScene | WheelsetScene, *, timed: bool) -> dict[str, Any]:
@@ -135,8 +153,9 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
     )  # the folder may be on another machine
     file = unfinished(case_folder, job.key)
     with open(os.devnull, "w") as nowhere:
-        resume = can_resume(scene, file)
-        outcome = run_scene(scene, "", folder, Console(file=nowhere), resume=resume, checkpoints=file)
+        vehicle = folder / VEHICLE if (folder / VEHICLE).is_file() else None
+        resume = vehicle is None and can_resume(scene, file)
+        outcome = run_scene(scene, "", folder, Console(file=nowhere), resume=resume, checkpoints=file, vehicle=vehicle)
     if not outcome.files:
         return _ended(f"failed: {outcome.status.removeprefix('failed: ')} before the first step")
     data = read(folder / RESULTS)

@@ -19,7 +19,7 @@ from wheelrail.scenes.studies.convergence import (
     largest_errors,
     series_of,
 )
-from wheelrail.scenes.studies.plan import SAMPLE, shown
+from wheelrail.scenes.studies.plan import SAMPLE, VARIATION, shown
 from wheelrail.scenes.studies.quantities import QUANTITIES, varying
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def parameters(data: Dataset) -> list[str]:
     return [
         str(name)
         for name, values in data.coords.items()
-        if name != SAMPLE and values.ndim == 1 and set(values.dims) <= study_dimensions
+        if name not in (SAMPLE, VARIATION) and values.ndim == 1 and set(values.dims) <= study_dimensions
     ]
 
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from wheelrail.scenes.builders.vehicle_tables import VEHICLE_FILE, check_vehicle
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.scene import Scene, checked
+from wheelrail.scenes.schema.scene import RunScene, Scene, checked
 from wheelrail.scenes.schema.tables import SceneTable
 
 
@@ -20,13 +21,23 @@ class SceneChecker:
     Parameters:
         file: of the scenes, for errors and relative paths.
         valid: tables by name and content.
+        vehicles: contents of valid tables of vehicles.
     """
 
     file: Path
     valid: dict[tuple[str, str], SceneTable] = field(default_factory=dict)
+    vehicles: set[tuple[str, str]] = field(default_factory=set)
 
     def __call__(self, tables: Mapping[str, Any]) -> Scene:
         """Raises SceneError as `checked` does."""
+        vehicle = tables.get(VEHICLE_FILE)
+        if vehicle is not None:
+            scene = self({key: value for key, value in tables.items() if key != VEHICLE_FILE})
+            assert isinstance(scene, RunScene)
+            if (content := (VEHICLE_FILE, repr(vehicle))) not in self.vehicles:
+                check_vehicle(vehicle, "vehicle", scene)
+                self.vehicles.add(content)
+            return scene
         names = {name: (name, repr(table)) for name, table in tables.items() if isinstance(table, Mapping)}
         data = {name: self.valid.get(names[name], value) if name in names else value for name, value in tables.items()}
         try:
