@@ -49,7 +49,7 @@ def located(name: str, base: Mapping[str, Any]) -> str:
 
 
 def with_own_values(base: Mapping[str, Any], names: Iterable[str]) -> dict[str, Any]:
-    """Tables in which bodies and elements have values of their own of what is varied, taken from their types.
+    """Tables in which bodies and elements have own values of the parameters, taken from their types.
 
     Parameters:
         base: tables of a scene, with those of the vehicle.

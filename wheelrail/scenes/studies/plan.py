@@ -141,7 +141,7 @@ def _axes(study: StudyTable, whole: Callable[[str], bool]) -> list[StudyAxis]:
 
 
 def _check_vehicle(study: StudyTable, base: Mapping[str, Any], names: Sequence[str], path: str | Path) -> None:
-    """Raises SceneError for what needs a vehicle file and has none, and for a vehicle without a run."""
+    """Raises SceneError for a missing vehicle file, and for a vehicle without a run."""
     if VEHICLE_FILE in base:
         if base.get("kind") != "run":
             raise SceneError(f'{path}: vehicle: allowed only for a scene with kind = "run"')
