@@ -35,6 +35,7 @@ class WheelsetState:
             curve.
         rail_shift: m, displacement (y, z) of the left and the right rail by irregularities; None: none.
         wheelset: its name in the vehicle, by which contacts may differ.
+        friction: factor on the coefficient of friction, as of a wet section of the track.
         twist_rate: rad/s, half the spin of the left wheel less that of the right one; `pitch_rate` is their mean.
 
     Irregularities displace the profile that the wheel meets, not the material, which is at rest in inertial space. As
@@ -62,6 +63,7 @@ class WheelsetState:
     frame_rate: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rail_shift: RailShift | None = None
     wheelset: str = ""
+    friction: float = 1.0
     twist_rate: float = 0.0
 
     def turning_as(self: T, side: Side) -> T:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
@@ -109,6 +109,14 @@ class Stribeck:
         import ufl
 
         return self.kinetic + (self.static - self.kinetic) * ufl.exp(-((w / self.speed) ** 2))
+
+
+def scaled(law: FrictionLaw, factor: float) -> FrictionLaw:
+    """The law with its coefficient times a factor. Raises ValueError for a law of another class than those here."""
+    for kind, names in ((Coulomb, ("mu",)), (FallingFriction, ("mu",)), (Stribeck, ("static", "kinetic"))):
+        if type(law) is kind:
+            return replace(law, **{name: factor * getattr(law, name) for name in names})
+    raise ValueError(f"friction along the track: not with the law {type(law).__name__}")
 
 
 def parameters(law: Any) -> dict[str, float]:

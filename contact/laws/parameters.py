@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wheelrail.contact.laws.friction import Coulomb, FrictionLaw
+from wheelrail.contact.laws.friction import Coulomb, FrictionLaw, scaled
 from wheelrail.contact.laws.normal import NormalLaw, Penalty
 from wheelrail.contact.laws.pointwise import FrictionFunctions, PressureFunction, friction_functions, pressure_function
 from wheelrail.support.arrays import Array
@@ -46,6 +46,10 @@ class ContactLaws:
     def penalty(cls, friction: FrictionLaw | float = 0.3) -> ContactLaws:
         """Penalty K = 1e15 N/m3, the paper's lower bound, and eps = 1e-5, this program's choice: the paper has none."""
         return cls(1e15, friction, 1e-5)
+
+    def rubbing(self, factor: float) -> ContactLaws:
+        """Laws with the coefficient of friction times a factor. Raises ValueError as `scaled`."""
+        return ContactLaws(self.normal, scaled(self.friction, factor), self.regularisation)
 
     @property
     def frictional(self) -> bool:

@@ -160,6 +160,10 @@ class FlexibleContact(VehicleContact):
         """The contact with the models of both sides changed by a function."""
         return replace(self, contact=self.contact.changed(change))
 
+    def rubbing(self, factor: float) -> FlexibleContact:
+        """The contact with its coefficients of friction times a factor, as of `WheelsetContact`."""
+        return replace(self, contact=self.contact.rubbing(factor))
+
     @property
     def concurrent(self) -> bool:
         return self.contact.concurrent

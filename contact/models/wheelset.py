@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,14 @@ from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
 
 ContactModel = Callable[[Pose, RigidMotion, ContactResult | None], ContactResult]
+
+
+def _rubbing(factor: float, model: ContactModel) -> ContactModel:
+    """Model with the coefficient of friction times a factor. Raises ValueError."""
+    if not hasattr(model, "with_laws"):
+        raise ValueError(f"friction along the track: not with {type(model).__name__}")
+    changed: ContactModel = model.with_laws(model.laws.rubbing(factor))  # type: ignore[attr-defined]
+    return changed
 
 
 @dataclass(frozen=True)
@@ -43,6 +52,10 @@ class WheelsetContact(VehicleContact):
         """The contact with the models of both sides changed by a function."""
         right = None if self.right is None else self.right.changed(change)
         return replace(self, model=change(self.model), right=right)
+
+    def rubbing(self, factor: float) -> WheelsetContact:
+        """The contact with its coefficients of friction times a factor. Raises ValueError for other models and laws."""
+        return self.changed(partial(_rubbing, factor))
 
     @property
     def together(self) -> bool:

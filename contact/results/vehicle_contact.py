@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -27,6 +28,7 @@ class HasCoordinates(Protocol):
 S = TypeVar("S", contravariant=True)
 K = TypeVar("K", contravariant=True)
 R = TypeVar("R")
+KEPT = 64  # models of friction at different places of the track
 
 
 class StateContact(Protocol[S, K]):
@@ -97,6 +99,10 @@ class StateContact(Protocol[S, K]):
 class VehicleContact(StateContact[WheelsetState, Side], Protocol):
     """Contact model of the left and the right wheel of a wheelset, with the moment about the wheelset's centre."""
 
+    def rubbing(self, factor: float) -> VehicleContact:
+        """The contact with its coefficients of friction times a factor. Raises ValueError for a model without such."""
+        raise ValueError(f"friction along the track: not with {type(self).__name__}")
+
 
 class WrappedContact(VehicleContact):
     """Contact model that hands all calls on to another one; subclasses change some.
@@ -107,6 +113,11 @@ class WrappedContact(VehicleContact):
 
     def __init__(self, contact: VehicleContact) -> None:
         self.contact = contact
+
+    def rubbing(self, factor: float) -> VehicleContact:
+        own = copy(self)
+        own.contact = self.contact.rubbing(factor)
+        return own
 
     def __call__(self, state: WheelsetState, side: Side, guess: ContactResult | None = None) -> ContactResult:
         return self.solve_side([state], side, [guess])[0]
@@ -174,6 +185,9 @@ class ContactsByWheelset(VehicleContact):
         own = {name: new[id(contact)] for name, contact in self.own.items()}
         return ContactsByWheelset(new[id(self.default)], own)
 
+    def rubbing(self, factor: float) -> ContactsByWheelset:
+        return self.changed(lambda contact: contact.rubbing(factor))
+
     @cached_property
     def _models(self) -> list[VehicleContact]:
         """Each model once."""
@@ -196,22 +210,58 @@ class ContactsByWheelset(VehicleContact):
     def solve_side(
         self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
     ) -> list[ContactResult]:
-        found: dict[int, ContactResult] = {}
-        for contact, group in self._groups(states):
-            own = contact.solve_side([states[i] for i in group], side, [guesses[i] for i in group])
-            found |= zip(group, own, strict=True)
-        return [found[i] for i in range(len(states))]
+        return _solved([self.of(state.wheelset) for state in states], states, side, guesses)
 
     def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
-        found: dict[int, Array] = {}
-        for contact, group in self._groups(states):
-            own = contact.side_tangents([states[i] for i in group], side, [results[i] for i in group])
-            found |= zip(group, own, strict=True)
-        return np.array([found[i] for i in range(len(states))])
+        return _slopes([self.of(state.wheelset) for state in states], states, side, results)
 
-    def _groups(self, states: Sequence[WheelsetState]) -> Iterator[tuple[VehicleContact, list[int]]]:
-        """Models with the indices of their states."""
-        owners = [self.of(state.wheelset) for state in states]
-        for contact in self._models:
-            if group := [i for i, owner in enumerate(owners) if owner is contact]:
-                yield contact, group
+
+class FrictionAlong(WrappedContact):
+    """Contact model whose coefficient of friction is multiplied by the factor of each state.
+
+    Parameters:
+        contact: the wrapped model.
+    """
+
+    def __init__(self, contact: VehicleContact) -> None:
+        super().__init__(contact)
+        self._of = lru_cache(KEPT)(lambda factor: contact if factor == 1.0 else contact.rubbing(factor))
+
+    def solve_side(
+        self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
+    ) -> list[ContactResult]:
+        return _solved([self._of(state.friction) for state in states], states, side, guesses)
+
+    def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
+        return _slopes([self._of(state.friction) for state in states], states, side, results)
+
+
+def _solved(
+    models: Sequence[VehicleContact],
+    states: Sequence[WheelsetState],
+    side: Side,
+    guesses: Sequence[ContactResult | None],
+) -> list[ContactResult]:
+    """Results of states by a model for each; those of the same model are solved together."""
+    found: dict[int, ContactResult] = {}
+    for model, group in _groups(models):
+        own = model.solve_side([states[i] for i in group], side, [guesses[i] for i in group])
+        found |= zip(group, own, strict=True)
+    return [found[i] for i in range(len(states))]
+
+
+def _slopes(
+    models: Sequence[VehicleContact], states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]
+) -> Array:
+    """Tangents of states by a model for each."""
+    found: dict[int, Array] = {}
+    for model, group in _groups(models):
+        own = model.side_tangents([states[i] for i in group], side, [results[i] for i in group])
+        found |= zip(group, own, strict=True)
+    return np.array([found[i] for i in range(len(states))])
+
+
+def _groups(models: Sequence[VehicleContact]) -> Iterator[tuple[VehicleContact, list[int]]]:
+    """Each model once with its indices."""
+    for model in {id(own): own for own in models}.values():
+        yield model, [i for i, own in enumerate(models) if own is model]

@@ -15,7 +15,12 @@ from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import NO_SHIFT, RailShift, WheelsetState
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.results.vehicle_contact import ContactsByWheelset, IndependentWheels, VehicleContact
+from wheelrail.contact.results.vehicle_contact import (
+    ContactsByWheelset,
+    FrictionAlong,
+    IndependentWheels,
+    VehicleContact,
+)
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import Settle, StepFailure
 from wheelrail.vehicle.loads.applied_loads import AppliedLoads
@@ -168,7 +173,8 @@ class VehicleDynamics:
     @cached_property
     def element(self) -> ContactElement[WheelsetState, Side]:
         """Both contacts of a wheelset."""
-        return ContactElement(IndependentWheels(self.contact) if self.twists else self.contact, SIDES)
+        contact = FrictionAlong(self.contact) if self.track.rubs else self.contact
+        return ContactElement(IndependentWheels(contact) if self.twists else contact, SIDES)
 
     @cached_property
     def mass(self) -> Array:
@@ -312,6 +318,9 @@ class VehicleDynamics:
                 rail_shift=self._rail_shift(travel.distance + self.vehicle.bodies[name].x + q[X], q[YAW]),
                 wheelset=name,
             )
+        if self.track.rubs:
+            for name, s in zip(self.vehicle.wheelsets, self.distances(travel, state).tolist(), strict=True):
+                states[name] = changed(states[name], friction=self.track.friction(s)[0])
         rates = state[self.coordinates.twist_rates].tolist()
         for name, twist in zip(self.vehicle.independent, rates, strict=True):
             states[name] = changed(states[name], twist_rate=twist)

@@ -32,6 +32,7 @@ from wheelrail.vehicle.track.speed_profile import TrackPosition
 # differentiated centrally, which keeps the mirror symmetry.
 DIFFERENCE_STEPS = (1e-6, 1e-6, 2e-6, 2e-6, 1e-3, 1e-3, 2e-3, 2e-3, 2e-3)
 ODD = ("y", "roll", "yaw", "y_rate", "roll_rate", "yaw_rate")
+FRICTION_STEP = 1e-3  # of the factor
 FIRST_RATE = WheelsetState.coordinates.index("y_rate")
 RATES = slice(FIRST_RATE, len(WheelsetState.coordinates))
 PITCH_RATE = WheelsetState.coordinates.index("pitch_rate") - FIRST_RATE
@@ -113,6 +114,9 @@ class VehicleJacobian:
         bodies = d.bodies.derivatives(travel, jerk, state, wheelset_wrenches(at.contacts))
         states = d.wheelset_states(time, state) if at.states is None else at.states
         tangents, rails = self.tangents(states, at.contacts), self._rail_slopes(travel, state)
+        if d.track.rubs:
+            by_friction = self._by_friction(d.distances(travel, state), states, at.contacts)
+            tangents = tangents._replace(values=np.concatenate([tangents.values, by_friction], axis=-1))
         forces = self._by_state(tangents.values[:, :, :3])
         result = VehicleLinearisation(self._kinematic.copy(), np.zeros(d.size), tangents.exact, forces, tangents.own)
         places = d.coordinates.of_bodies
@@ -153,12 +157,26 @@ class VehicleJacobian:
         """Add derivatives (2, rows, 10 or 28) of rates by the changes of both contacts of wheelset i."""
         columns, free = self._columns[i]
         result.by_state[rows[:, None], columns] += (by_contact[0] + by_contact[1])[:, free]
+        if self.dynamics.track.rubs:
+            result.by_time[rows] += by_contact[:, :, -1].sum(axis=0)
         if rails is not None:
             # Contact forces depend on the relative position only: rail motion is the opposite wheelset motion.
             result.by_time[rows] -= (by_contact[:, :, :2] @ rails.by_time[i]).sum(axis=0)[:, 0]
             x = 6 * int(self.dynamics.coordinates.wheelset_bodies[i]) + X
             if self.dynamics.drifts and (place := self._places.get(x)) is not None:
                 result.by_state[rows, place] -= (by_contact[:, :, :2] @ rails.by_distance[i]).sum(axis=0)[:, 0]
+
+    def _by_friction(self, distances: Array, states: Mapping[str, WheelsetState], contacts: WheelContacts) -> Array:
+        """Rates (w, 2, 6, 1) of forces and moments by friction that changes along the track, from differences."""
+        result = np.zeros((len(states), len(SIDES), 6, 1))
+        for i, (name, state) in enumerate(states.items()):
+            slope = self.dynamics.track.friction(float(distances[i]))[1]
+            if slope != 0.0:
+                change = self._perturbed(name, state, contacts, "friction", FRICTION_STEP) - side_wrenches(
+                    contacts[name]
+                )
+                result[i, ..., 0] = state.speed * slope / FRICTION_STEP * change
+        return result
 
     def _add_twists(
         self,

@@ -15,6 +15,7 @@ from wheelrail.vehicle.loads.load_table import LoadTable
 from wheelrail.vehicle.multibody.coordinates import RATE_SCALE
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
 from wheelrail.vehicle.track.irregularity import Irregularities
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.section_poses import LocalPolynomials, TrackSections, sample_points
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
@@ -120,11 +121,8 @@ class Excitation:
         wheelsets = np.array([vehicle.bodies[name].x for name in vehicle.wheelsets])
         if line.irregularities is not None:
             found.append(Prescribed(_rails(line.irregularities), wheelsets))
-        if line.widens and len(breaks := line.widening.breaks) > 1:
-            points = sample_points(breaks)
-            values = np.array([[0.5 * line.widening(s)[0] for s in row] for row in points.tolist()])
-            outside = 0.5 * np.array([[line.widening.values[end]] for end in (0, -1)])
-            found.append(Prescribed(LocalPolynomials.through(breaks, values[..., None], outside), wheelsets))
+        if line.widens and len(line.widening.breaks) > 1:
+            found.append(Prescribed(_through(line.widening, 0.5), wheelsets))
         return tuple(found)
 
     @cached_property
@@ -177,6 +175,11 @@ class Excitation:
 
     def _loads(self) -> Iterator[Prescribed]:
         d = self.dynamics
+        if len(d.track.friction.breaks) > 1:  # as of creep forces of the whole load
+            friction = _through(d.track.friction, d.vehicle.gravity)
+            yield Prescribed(
+                friction.integral.integral, np.array([d.vehicle.bodies[name].x for name in d.vehicle.wheelsets])
+            )
         owners = [*d.applied.wheelsets.tolist(), *np.repeat(d.applied.bodies, 3).tolist()]
         torques = len(d.applied.wheelsets)
         for index, (table, owner) in enumerate(zip(d.loads.tables, owners, strict=True)):
@@ -192,6 +195,13 @@ def _alignment(track: Track) -> LocalPolynomials:
     line = TrackSections(track).alignment
     direction, cant = (LocalPolynomials(line.starts, line.coefficients[:, :, columns]) for columns in ([0, 3], [2]))
     return LocalPolynomials.joined([direction.integral, replace(cant, coefficients=0.5 * cant.coefficients)])
+
+
+def _through(function: PiecewiseFunction, factor: float) -> LocalPolynomials:
+    """A function of distance times a factor."""
+    values = np.array([[factor * function(s)[0] for s in row] for row in sample_points(function.breaks).tolist()])
+    outside = factor * np.array([[function.values[end]] for end in (0, -1)])
+    return LocalPolynomials.through(function.breaks, values[..., None], outside)
 
 
 def _rails(irregularities: Irregularities) -> LocalPolynomials:

@@ -36,7 +36,7 @@ def transient_into_curve(dynamics: VehicleDynamics, time: float, start: Array) -
     """
     line, (s, speed, *_) = dynamics.track, dynamics.speed_profile(time)
     ends = (0.0, RAMP * speed)
-    into = line.changed(lambda function: PiecewiseFunction(ends, (0.0, function(s)[0])))
+    into = line.changed(s, lambda function: PiecewiseFunction(ends, (0.0, function(s)[0])))
     transient = replace(dynamics, track=into, speed=speed)
     atol, longest = transient.tolerances(1e-3 * TOLERANCE), RAMP / 4  # which meets the transition
     state, settings = start, StepSettings(ROSENBROCK.name, TOLERANCE, atol, max_step=longest)

@@ -47,11 +47,11 @@ class SteadyProblem:
         (s, speed, *_), line = dynamics.speed_profile(time), dynamics.track
         if (
             line.irregularities is None
-            and all(len(f.values) == 1 for f in line.functions)
+            and all(len(f.values) == 1 for f in (*line.functions, line.friction))
             and dynamics.speed_profile.constant
         ):
             return cls(dynamics, time)
-        track = line.changed(lambda f: type(f).constant(f(s)[0]))
+        track = line.changed(s, lambda f: type(f).constant(f(s)[0]))
         return cls(replace(dynamics, track=track, speed=speed), s / speed)
 
     @cached_property

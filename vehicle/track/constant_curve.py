@@ -19,6 +19,7 @@ class ConstantCurve:
         cant: m, positive raises the outer rail (the right one without curvature).
         base: m, lateral distance over which the cant is measured.
         widening: of the gauge, m.
+        friction: factor on the coefficient of friction.
 
     Raises ValueError for values out of bounds.
     """
@@ -28,6 +29,7 @@ class ConstantCurve:
     cant: float = 0.0
     base: float = 1.5
     widening: float = 0.0
+    friction: float = 1.0
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -40,9 +42,9 @@ class ConstantCurve:
 
     @property
     def track(self) -> Track:
-        values = self.curvature, self.cant * copysign(1.0, self.curvature), self.widening
-        curvature, superelevation, widening = map(PiecewiseFunction.constant, values)
-        return Track(curvature, superelevation, base=self.base, widening=widening)
+        values = self.curvature, self.cant * copysign(1.0, self.curvature), self.widening, self.friction
+        curvature, superelevation, widening, friction = map(PiecewiseFunction.constant, values)
+        return Track(curvature, superelevation, base=self.base, widening=widening, friction=friction)
 
     @property
     def angle(self) -> float:

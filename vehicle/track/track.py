@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from math import cos
+from math import cos, inf
 
 import numpy as np
 
@@ -43,6 +43,10 @@ def _zero() -> PiecewiseFunction:
     return PiecewiseFunction.constant(0.0)
 
 
+def _one() -> PiecewiseFunction:
+    return PiecewiseFunction.constant(1.0)
+
+
 @dataclass(frozen=True)
 class Track:
     """Alignment as functions of the distance s; the plane of the rails rotates about the centre line.
@@ -54,8 +58,9 @@ class Track:
         base: m, lateral distance over which the superelevation is measured.
         irregularities: of the rails, if any.
         widening: of the gauge, m, half of it by each rail.
+        friction: factor on the coefficient of friction, positive.
 
-    Raises ValueError for a superelevation not smaller than the base.
+    Raises ValueError for a superelevation not smaller than the base, and for friction that is not positive.
     """
 
     curvature: PiecewiseFunction = field(default_factory=_zero)
@@ -64,10 +69,13 @@ class Track:
     base: float = 1.5
     irregularities: Irregularities | None = None
     widening: PiecewiseFunction = field(default_factory=_zero)
+    friction: PiecewiseFunction = field(default_factory=_one)
 
     def __post_init__(self) -> None:
         if not self.base > max(abs(h) for h in self.superelevation.values):
             raise ValueError(f"cant {self.superelevation.values} m: must be less than base = {self.base} m")
+        if not all(0.0 < factor < inf for factor in self.friction.values):
+            raise ValueError(f"friction {self.friction.values}: must be positive and finite factors")
 
     @classmethod
     def curve(
@@ -109,6 +117,7 @@ class Track:
         base: float = 1.5,
         corner: float = 3.0,
         irregularities: Irregularities | None = None,
+        friction: PiecewiseFunction | None = None,
     ) -> Track:
         """Track of a sequence of segments from s = 0.
 
@@ -117,21 +126,28 @@ class Track:
             base: m, lateral distance over which the superelevation is measured.
             corner: m, length of rounded corners as in `PiecewiseFunction`.
             irregularities: of the rails, if any.
+            friction: factor on the coefficient of friction; None: 1.
 
         Raises AlignmentError, a ValueError, for invalid segments, or values that are not continuous.
         """
         functions = track_functions(segments, corner=corner)
-        return cls(*functions[:3], base, irregularities, functions.widening)
+        return cls(*functions[:3], base, irregularities, functions.widening, friction or _one())
 
     @property
     def functions(self) -> tuple[PiecewiseFunction, ...]:
         """Curvature, superelevation, gradient and widening."""
         return self.curvature, self.superelevation, self.gradient, self.widening
 
-    def changed(self, change: Callable[[PiecewiseFunction], PiecewiseFunction]) -> Track:
-        """Track with smooth rails and all functions changed."""
+    def changed(self, s: float, change: Callable[[PiecewiseFunction], PiecewiseFunction]) -> Track:
+        """Track with smooth rails, all functions changed, and the friction of a distance s m."""
         curvature, superelevation, gradient, widening = map(change, self.functions)
-        return Track(curvature, superelevation, gradient, self.base, widening=widening)
+        friction = PiecewiseFunction.constant(self.friction(s)[0])
+        return Track(curvature, superelevation, gradient, self.base, widening=widening, friction=friction)
+
+    @cached_property
+    def rubs(self) -> bool:
+        """Whether friction differs from that of the contact."""
+        return any(factor != 1.0 for factor in self.friction.values)
 
     @cached_property
     def widens(self) -> bool:

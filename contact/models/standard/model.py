@@ -5,7 +5,7 @@ Half-space elasticity, independent contacts, no meshes: well under a millisecond
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
@@ -96,6 +96,12 @@ class StandardContact:
             raise ValueError(
                 f"the standard contact needs friction independent of the pressure, got {self.laws.friction}"
             )
+
+    def with_laws(self, laws: ContactLaws) -> StandardContact:
+        """The model with other laws on the same bodies."""
+        model = replace(self, laws=laws)
+        model.__dict__["elasticity"] = self.elasticity
+        return model
 
     @cached_property
     def elasticity(self) -> PairElasticity:

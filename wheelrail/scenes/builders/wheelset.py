@@ -97,6 +97,11 @@ def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleConta
             from wheelrail.scenes.builders.demanded_table import tabulated
 
             contacts[id(named)] = tabulated(scene, named, contacts[id(named)], profiles[id(named)])
+        if scene.track.friction is not None:
+            try:
+                contacts[id(named)].rubbing(1.0)
+            except ValueError as error:
+                raise SceneError(f"track.friction: {error}") from None
     if not scene.is_flexible:
         return _by_wheelset(scene, contacts), None
     own = {name: id(scene.contact_of(name)) for name in wheelsets}

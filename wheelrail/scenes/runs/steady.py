@@ -94,7 +94,9 @@ def curve_of(scene: RunScene) -> ConstantCurve:
     s = max((length * i / 1000 for i in range(1001)), key=lambda s: abs(line.curvature(s)[0]))
     curvature, superelevation = line.curvature(s)[0], line.superelevation(s)[0]
     cant = -superelevation if curvature < 0.0 else superelevation
-    return ConstantCurve(scene.vehicle.first_speed, curvature, cant, line.base, line.widening(s)[0])
+    return ConstantCurve(
+        scene.vehicle.first_speed, curvature, cant, line.base, line.widening(s)[0], line.friction(s)[0]
+    )
 
 
 def equilibria_of(

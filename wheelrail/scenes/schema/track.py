@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from itertools import pairwise
 from math import atan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from wheelrail.vehicle.track.track import Track
 
 LONGEST = 1e5  # m
+SUDDEN = 0.1  # m, shortest change of friction
 MOST_WAVES = 1e5  # shortest wavelengths along a track; take half a minute
 SHORT = ("curvature", "cant", "tangent", "transition_length", "curve")
 Shape = Literal["quintic", "clothoid", "bloss"]
@@ -146,11 +148,15 @@ class IrregularityTable(SceneTable):
         return generate(end, seed=self.seed, wavelengths=self.wavelengths, start=start, fade=self.fade)
 
 
+FrictionPoint = Annotated[tuple[q.Distance, q.FrictionFactor], Strict(False)]
+
+
 class TrackLine(RailsTable):
     """Segments in sequence; or, in short form, a tangent, a transition and a curve of constant curvature and cant.
 
     Lengths in m. slope: rise over run of the short form; transition: default shape; corner: length over which the ends
-    of "clothoid" transitions and of vertical curves are rounded.
+    of "clothoid" transitions and of vertical curves are rounded. friction: points [distance m, factor] on the
+    coefficient of friction, constant before and after, smooth in between.
     """
 
     curvature: q.Curvature | None = None
@@ -164,6 +170,7 @@ class TrackLine(RailsTable):
     curve: q.Length | None = None
     segments: Annotated[tuple[SegmentTable, ...], Strict(False), Field(min_length=1), q.AtMost(1000)] | None = None
     irregularities: IrregularityTable | None = None
+    friction: Annotated[tuple[FrictionPoint, ...], Strict(False), Field(min_length=1), q.AtMost(1000)] | None = None
 
     @cached_property
     def layout(self) -> list[Segment]:
@@ -188,11 +195,16 @@ class TrackLine(RailsTable):
 
     def track(self, start: float = 0.0) -> Track:
         """Track with irregularities that begin at a distance start, m. Raises ValueError where they are too short."""
+        from wheelrail.vehicle.track.piecewise import PiecewiseFunction
         from wheelrail.vehicle.track.track import Track
 
         table = self.irregularities
         irregularities = table.irregularities(self.length, start) if table else None
-        return Track.of(self.layout, base=self.cant_base, corner=self.corner, irregularities=irregularities)
+        points = self.friction or ((0.0, 1.0),)
+        friction = PiecewiseFunction(tuple(at for at, _ in points), tuple(factor for _, factor in points))
+        return Track.of(
+            self.layout, base=self.cant_base, corner=self.corner, irregularities=irregularities, friction=friction
+        )
 
     @model_validator(mode="after")
     def _short_form_or_segments(self) -> TrackLine:
@@ -205,6 +217,9 @@ class TrackLine(RailsTable):
 
     @model_validator(mode="after")
     def _fits(self) -> TrackLine:
+        distances = [distance for distance, _ in self.friction or ()]
+        if any(after - before < SUDDEN for before, after in pairwise(distances)):
+            raise q.reject(f"distances must increase by at least {SUDDEN:g} m", "friction")
         if self.segments is None:
             for key in ("transition_length", "curve"):
                 if getattr(self, key) <= 0.0:
