@@ -11,7 +11,7 @@ import pytest
 from linear_creep import LinearCreep
 from numpy_vehicle import kinematics
 from standin_contact import CONTACT
-from test_friction import ALL, MASS, on_a_slider
+from test_suspension_friction import ALL, MASS, on_a_slider
 
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.schema.errors import SceneError
