@@ -84,6 +84,24 @@ void bind_table(nb::module_& m) {
         "angular velocity rad/s and reference m (3,). Force is zero at negative levels and speeds; without friction "
         "and without contact the speed is 1. The last one is the share of the table beside an elastic contact.");
     m.def(
+        "table_wheels",
+        [](const TableData& data, const Rows& states, const Dimensions& dimensions, bool mirror) {
+            require(states.shape[1] == STATE, "states: must be (w, 17)");
+            return table_wheels(data, states, dimensions, mirror);
+        },
+        "data"_a, "states"_a, "dimensions"_a, "mirror"_a, Unlocked(),
+        "Numbers (w, 26) of w wheels of one side: force N and moment N m about the wheelset's centre in the axes of "
+        "the "
+        "track, then those of `table_force`; states, dimensions and mirror as for `left_pairs`.");
+    m.def(
+        "table_slopes",
+        [](const TableData& data, const Rows& states, const Dimensions& dimensions, bool mirror) {
+            require(states.shape[1] == STATE, "states: must be (w, 17)");
+            return table_slopes(data, states, dimensions, mirror);
+        },
+        "data"_a, "states"_a, "dimensions"_a, "mirror"_a, Unlocked(),
+        "Derivatives (w, 6, 9) of force and moment of `table_wheels` by the wheelsets' coordinates.");
+    m.def(
         "table_derivative",
         [](const TableData& data, Numbers origin, Rows rotation, Numbers velocity, Numbers rate, Numbers reference,
            Numbers rail_velocity, Numbers rail_rate, Numbers rail_reference) {

@@ -13,6 +13,7 @@ from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.standard.wheel_rail import SolvedWheels, solved_together
+from wheelrail.contact.models.table.tabulated import AtState, TableWheels, TabulatedContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.support.arrays import Array
@@ -59,7 +60,16 @@ class WheelsetContact(VehicleContact):
 
     @property
     def together(self) -> bool:
-        return all(self.batched(side) is not None for side in SIDES)
+        return all(self.batched(side) is not None or self._tabulated(side) is not None for side in SIDES)
+
+    def _tabulated(self, side: Side) -> TabulatedContact | None:
+        """Model of a side, if it looks most forces up."""
+        model = self.of(side).model
+        return model if isinstance(model, TabulatedContact) else None
+
+    def _on_table(self, model: TabulatedContact, states: Sequence[WheelsetState], side: Side) -> TableWheels:
+        values, dimensions = np.array([state.values for state in states]), self.of(side).mounting.dimensions
+        return TableWheels(model, values, dimensions, side == "right")
 
     @property
     def concurrent(self) -> bool:
@@ -82,6 +92,10 @@ class WheelsetContact(VehicleContact):
         self, states: Sequence[WheelsetState], side: Side, guesses: Sequence[ContactResult | None]
     ) -> list[ContactResult]:
         model = self.batched(side)
+        if (tabulated := self._tabulated(side)) is not None:
+            found = tabulated.at_states(self._on_table(tabulated, states, side), guesses)
+            tasks = zip(found, states, guesses, strict=True)
+            return [self(state, side, guess) if result is None else result for result, state, guess in tasks]
         if model is None:
             return super().solve_side(states, side, guesses)
         assert model.together is not None
@@ -106,6 +120,12 @@ class WheelsetContact(VehicleContact):
 
     def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
         model, wheels = self.batched(side), solved_together(results)
+        if (tabulated := self._tabulated(side)) is not None:
+            tangents = self._on_table(tabulated, states, side).slopes()
+            for i, (state, result) in enumerate(zip(states, results, strict=True)):
+                if not isinstance(result.force_tangent, AtState):
+                    tangents[i] = self.tangent(state, side, result)
+            return tangents
         if model is None or wheels is None:
             return super().side_tangents(states, side, results)
         values, dimensions = np.array([state.values for state in states]), self.of(side).mounting.dimensions

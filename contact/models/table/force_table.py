@@ -166,6 +166,13 @@ class TableForce(NamedTuple):
     resultant: list[float]
     share: float
 
+    @classmethod
+    def of(cls, values: Array) -> TableForce:
+        """From the numbers (20,) of the core."""
+        numbers = values.tolist()
+        level, depth, speed = numbers[10:13]
+        return cls(values[:6], numbers[6:10], level, depth, speed, numbers[13:16], numbers[16:19], numbers[19])
+
 
 @dataclass(frozen=True, eq=False)
 class ForceTable:
@@ -217,9 +224,7 @@ class ForceTable:
     def force(self, pose: Pose, motion: RigidMotion) -> TableForce:
         """Force at a pose; beyond the ranges interpolants continue, see `outside`."""
         values = table_force(*self.arguments(pose, motion))
-        numbers = values.tolist()
-        level, depth, speed = numbers[10:13]
-        return TableForce(values[:6], numbers[6:10], level, depth, speed, numbers[13:16], numbers[16:19], numbers[19])
+        return TableForce.of(values)
 
     def derivative(self, pose: Pose, motion: RigidMotion) -> Array:
         """Derivative (7, 12) of force and moment, see `wheelrail.contact.results.result.ContactResult.tangent`, and of
@@ -232,10 +237,11 @@ class ForceTable:
         wheel, rail = motion.wheel, motion.rail
         vectors = wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
         arrays = (np.ascontiguousarray(part, dtype=float) for part in (pose.origin, pose.rotation, *vectors))
-        return self._data, *arrays
+        return self.data, *arrays
 
     @cached_property
-    def _data(self) -> TableData:
+    def data(self) -> TableData:
+        """The table for the core."""
         friction, frame = self.friction, self.frame
         return TableData(
             self.normal.grid,

@@ -54,7 +54,7 @@ class TableContact:
         return ContactResult(
             force=force.values[:3],
             moment=force.values[3:],
-            patches=LazyPatches(partial(_patches, force)),
+            patches=LazyPatches(partial(resultant_patch, force)),
             approach=force.depth,
             status="converged",
             force_tangent=ContactTangent(_Derivative(self.table, pose, motion)),
@@ -75,7 +75,7 @@ class _Derivative:
         return self.table.derivative(self.pose, self.motion)[:6]
 
 
-def _patches(force: TableForce) -> tuple[Patch]:
+def resultant_patch(force: TableForce) -> tuple[Patch]:
     """The resultant as a patch."""
     normal = np.array([0.0, *force.resultant[1:]]) / np.hypot(force.resultant[1], force.resultant[2])
     lateral = np.array([0.0, normal[2], -normal[1]])

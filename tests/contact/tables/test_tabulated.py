@@ -104,3 +104,30 @@ def test_mirror_images_are_equal_to_the_last_bit() -> None:
     left, right = tabulated()(state, "left"), tabulated()(state.mirrored(), "right")
     assert np.array_equal(left.force * [1, -1, 1], right.force)
     assert np.array_equal(left.moment * [-1, 1, -1], right.moment)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_wheels_of_a_side_together_are_single_wheels(side: Side) -> None:
+    """Inside, in the border, outside and without contact."""
+    random, lifted = np.random.default_rng(3), replace(STATE, z=1e-3)
+    states = [on_the_rail(y, *random.uniform(-3e-4, 3e-4, 2)) for y in (-2e-4, 3e-4, 0.8e-3, 1.4e-3)]
+    states = [state if side == "left" else state.mirrored() for state in [*states, lifted]]
+    contact, guess = tabulated(), ContactResult.guess("a warm start")
+    together = contact.solve_side(states, side, [guess] * len(states))
+    tangents = contact.side_tangents(states, side, together)
+    for state, own, tangent in zip(states, together, tangents, strict=True):
+        single = contact(state, side, guess)
+        assert (own.status, own.approach, own.warm_start) == (single.status, single.approach, single.warm_start)
+        assert wrench(own) == pytest.approx(wrench(single), rel=1e-11, abs=1e-9)
+        expected = contact.tangent(state, side, single)
+        assert np.abs(tangent - expected).max() <= 1e-9 * np.abs(expected).max()
+        assert np.array_equal(own.tangent(), single.tangent())
+        for a, b in zip(own.patches, single.patches, strict=True):
+            assert (a.x, a.rail_y, a.contact_angle) == pytest.approx((b.x, b.rail_y, b.contact_angle), rel=1e-12)
+            assert np.allclose(a.force, b.force)
+    assert together[-1].status == "separated"
+    mirrored: Side = "right" if side == "left" else "left"
+    others = contact.solve_side([state.mirrored() for state in states], mirrored, [None] * len(states))
+    for own, other in zip(together, others, strict=True):
+        assert np.array_equal(own.force * [1, -1, 1], other.force)
+        assert np.array_equal(own.moment * [-1, 1, -1], other.moment)

@@ -3,7 +3,7 @@
 // The interpolants have closed derivatives by their variables. The algebra between them is written once, for numbers
 // and for dual numbers.
 #pragma once
-#include "contact/kinematics/core/motion.hpp"
+#include "contact/kinematics/core/left_pair.hpp"
 #include "contact/models/table/core/lookup.hpp"
 
 namespace wr {
@@ -152,17 +152,64 @@ struct TableForce {
     }
 };
 
+// Force and moment about the wheelset's centre of one wheel in the axes of the track.
+template <class T>
+struct TableWheel {
+    TableForce<T> of;
+    std::array<T, 6> wrench;  // N, N m
+
+    TableWheel(const TableData& data, const Numbers& state, const Dimensions& dimensions, bool mirror)
+        : TableWheel(data, left_pair(left_state<T>(state, mirror), dimensions), mirror) {}
+
+  private:
+    TableWheel(const TableData& data, const LeftPair<T>& pair, bool mirror) : of(data, pair.pose, pair.motion) {
+        const auto& force = of.force;
+        Vec<T> moment = of.moment - cross(pair.centre, force);
+        wrench = {force.x, force.y, force.z, moment.x, moment.y, moment.z};
+        for (int row : {1, 3, 5})
+            if (mirror) wrench[row] = -wrench[row];
+    }
+};
+
 // Numbers (20,) of a `wheelrail.contact.models.table.force_table.TableForce`.
-inline Array<double, 1> table_force(const TableData& data, const Pose<double>& pose,
-                                    const RigidMotion<double>& motion) {
-    TableForce<double> of(data, pose, motion);
-    Array<double, 1> out(20);
+inline void store_force(const TableForce<double>& of, const View<double, 1>& out) {
     auto store = [&](const Vec<double>& a, long at) { out(at) = a.x, out(at + 1) = a.y, out(at + 2) = a.z; };
     store(of.force, 0), store(of.moment, 3);
     std::copy(of.position.begin(), of.position.end(), &out(6));
     out(10) = of.level, out(11) = of.depth, out(12) = of.speed;
     store(of.point, 13), store(of.resultant, 16);
     out(19) = of.share;
+}
+
+// The same of a pose and motion.
+inline Array<double, 1> table_force(const TableData& data, const Pose<double>& pose,
+                                    const RigidMotion<double>& motion) {
+    Array<double, 1> out(20);
+    store_force({data, pose, motion}, out);
+    return out;
+}
+
+// Numbers (w, 26) of w wheels of one side: force and moment about the wheelset's centre in the axes of the track, then
+// those of `table_force` of the left-hand pair; parameters of `left_pairs`.
+inline Array<double, 2> table_wheels(const TableData& data, const Rows& states, const Dimensions& dimensions,
+                                     bool mirror) {
+    Array<double, 2> out(states.size(), 26);
+    for (long i = 0; i < states.size(); ++i) {
+        TableWheel<double> wheel(data, states[i], dimensions, mirror);
+        std::copy(wheel.wrench.begin(), wheel.wrench.end(), &out(i, 0));
+        store_force(wheel.of, out[i].part(6, 26));
+    }
+    return out;
+}
+
+// Derivatives (w, 6, 9) of these forces and moments by the wheelsets' coordinates.
+inline Array<double, 3> table_slopes(const TableData& data, const Rows& states, const Dimensions& dimensions,
+                                     bool mirror) {
+    Array<double, 3> out(states.size(), 6, COORDINATES);
+    for (long i = 0; i < states.size(); ++i) {
+        auto wrench = TableWheel<Dual<COORDINATES>>(data, states[i], dimensions, mirror).wrench;
+        for (int row = 0; row < 6; ++row) std::copy(wrench[row].d, wrench[row].d + COORDINATES, &out(i, row, 0));
+    }
     return out;
 }
 
