@@ -88,6 +88,15 @@ class SuspensionElement:
         """The element of the vehicle turned end for end."""
         return self._reversed((-1.0, -1.0, 1.0))
 
+    def moved(self, x: float) -> SuspensionElement:
+        """The element moved forwards by x m."""
+
+        def place(point: Three) -> Three:
+            return point[0] + x, point[1], point[2]
+
+        lower = None if self.lower_point is None else place(self.lower_point)
+        return replace(self, point=place(self.point), lower_point=lower)
+
     def _reversed(self, signs: Three) -> SuspensionElement:
         """The element with some axes reversed; forces along a rod stay as they are."""
 

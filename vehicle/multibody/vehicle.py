@@ -140,6 +140,25 @@ class Vehicle:
         bodies = {name: replace(body, x=-body.x) for name, body in self.bodies.items()}
         return replace(self, bodies=bodies, elements=elements)
 
+    def placed(self, name: str, x: float) -> Vehicle:
+        """The vehicle as part of a train, without its speed hold.
+
+        Parameters:
+            name: ahead of all its names.
+            x: of its reference point, m forward of that of the train.
+        """
+
+        def own(part: SuspensionElement) -> SuspensionElement:
+            return replace(part.moved(x), upper=f"{name}_{part.upper}", lower=f"{name}_{part.lower}")
+
+        bodies = {f"{name}_{key}": replace(body, x=body.x + x) for key, body in self.bodies.items()}
+        springs = {
+            f"{name}_{key}": replace(part, upper=f"{name}_{part.upper}", lower=f"{name}_{part.lower}")
+            for key, part in self.rotational_springs.items()
+        }
+        elements = {f"{name}_{key}": own(part) for key, part in self.elements.items()}
+        return replace(self, bodies=bodies, elements=elements, rotational_springs=springs, speed_hold=None)
+
     def _check_pair(self, key: str, upper: str, lower: str) -> None:
         for end, name in (("upper", upper), ("lower", lower)):
             if name not in self.bodies:

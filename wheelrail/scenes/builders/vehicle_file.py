@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from pydantic import AllowInfNan, Field, Strict, ValidationError
+from pydantic import ValidationError
 
-from wheelrail.scenes.schema import quantities as q
+from wheelrail.scenes.builders.vehicle_file_tables import ELEMENT_VALUES, AirSpringTable, ElementTable, VehicleFileTable
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.messages import entry_message, validation_error, warn_of_unusual
-from wheelrail.scenes.schema.tables import SceneTable
 from wheelrail.scenes.schema.toml import parse, read_text
 
 if TYPE_CHECKING:
@@ -21,138 +21,7 @@ if TYPE_CHECKING:
 
 MANCHESTER = Path(__file__).parents[1] / "examples" / "manchester_vehicle.toml"
 
-# Keys of an element that are those of `SuspensionElement`.
-ELEMENT_VALUES = {
-    "upper", "lower", "series_stiffness", "turn", "friction", "friction_coefficient", "friction_stiffness",
-    "surge_mass", "surge_exponent",
-}  # fmt: skip
-
-Mass = Annotated[q.Finite, q.Range(1.0, 1e6, "kg", "1 t is 1000", usual=(100.0, 2e5))]
-Inertia = Annotated[q.Finite, q.Range(1.0, 1e9, "kg m2")]
-Along = Annotated[q.Finite, q.Range(-100.0, 100.0, "m", "forward of the vehicle's reference point")]
-Across = Annotated[q.Finite, q.Range(-5.0, 5.0, "m", "to the left")]
-Height = Annotated[q.Finite, q.Range(0.05, 5.0, "m", "above top of rail")]
-Point = Annotated[tuple[Along, Across, Height], Strict(False)]
-LawPoint = Annotated[tuple[q.Finite, q.Finite], Strict(False)]
-LawPoints = Annotated[tuple[LawPoint, ...], Strict(False), Field(min_length=2), q.AtMost(1000)]
-Stiffness = Annotated[q.Finite, q.Range(0.0, 1e11, "N/m", "or points [m, N]")]
-Damping = Annotated[q.Finite, q.Range(0.0, 1e9, "N s/m", "or points [m/s, N]")]
-Series = Annotated[float, Strict(), AllowInfNan(True), q.Range(1e3, inf, "N/m, in series with the damper; inf is none")]
-Friction = Annotated[q.Finite, q.Range(0.0, 1e7, "N, at which a slider moves")]
-FrictionCoefficient = Annotated[q.Finite, q.Range(0.0, 10.0, "of the vertical spring force, in addition to friction")]
-FrictionStiffness = Annotated[q.Finite, q.Range(0.0, 1e11, "N/m, in series with the slider")]
-SurgeMass = Annotated[q.Finite, q.Range(0.0, 1e6, "kg, between damper and series_stiffness")]
-Exponent = Annotated[q.Finite, q.Range(1.0, 3.0, "of the velocity of surge_mass in the force of the damper")]
-RotationalDamping = Annotated[q.Finite, q.Range(0.0, 1e9, "N m s/rad")]
-Rotational = Annotated[q.Finite, q.Range(0.0, 1e10, "N m/rad")]
-TorsionDamping = Annotated[q.Finite, q.Range(0.0, 1e9, "N m s/rad")]
-
-
-Coordinate = Literal["x", "y", "z", "roll", "pitch", "yaw"]
-
-
-class VehicleBodyTable(SceneTable):
-    """A rigid body: mass, kg, inertia about x, y and z, kg m2, place of its centre, m.
-
-    The height of a wheelset is its rolling radius. Independent wheels turn by themselves, with a spring, N m/rad, and a
-    damper, N m s/rad, between them as torsion. Held coordinates follow the track at constant speed.
-    """
-
-    mass: Mass
-    inertia: Annotated[tuple[Inertia, Inertia, Inertia], Strict(False)]
-    x: Along
-    height: Height
-    wheelset: bool = False
-    independent: bool = False
-    torsion: Annotated[tuple[Rotational, TorsionDamping], Strict(False)] = (0.0, 0.0)
-    held: Annotated[tuple[Coordinate, ...], Strict(False)] = ()
-
-
-class AirSpringTable(SceneTable):
-    """Air spring on a reservoir behind a pipe, which adds to the vertical values of an element.
-
-    Absolute pressure, Pa, effective area, m2, volumes, m3, length, m, and area, m2, of the pipe, and its loss of
-    pressure over the dynamic pressure.
-    """
-
-    pressure: Annotated[q.Finite, q.Range(1e5, 2e6, "Pa, absolute")]
-    area: Annotated[q.Finite, q.Range(1e-3, 2.0, "m2")]
-    volume: Annotated[q.Finite, q.Range(1e-4, 1.0, "m3, of the bag")]
-    reservoir: Annotated[q.Finite, q.Range(1e-4, 2.0, "m3")]
-    pipe_length: Annotated[q.Finite, q.Range(0.01, 20.0, "m")]
-    pipe_area: Annotated[q.Finite, q.Range(1e-6, 0.1, "m2")]
-    loss: Annotated[q.Finite, q.Range(0.0, 1e4, "of pressure, over the dynamic pressure in the pipe")]
-
-
-class ElementTable(SceneTable):
-    """Equal springs and dampers between two bodies, one at each point, m; values along x, y and z.
-
-    Rods go from a point of `lower_points` to one of `points`; their first values act along them. A bushing has moments,
-    N m/rad and N m s/rad about the axes of the lower body, too.
-    """
-
-    upper: str
-    lower: str
-    points: Annotated[tuple[Point, ...], Strict(False), Field(min_length=1), q.AtMost(1000)]
-    stiffness: Annotated[tuple[Stiffness | LawPoints, Stiffness | LawPoints, Stiffness | LawPoints], Strict(False)] = (
-        0.0,
-        0.0,
-        0.0,
-    )
-    damping: Annotated[tuple[Damping | LawPoints, Damping | LawPoints, Damping | LawPoints], Strict(False)] = (
-        0.0,
-        0.0,
-        0.0,
-    )
-    series_stiffness: Annotated[tuple[Series, Series, Series], Strict(False)] = (inf, inf, inf)
-    turn: q.Share = 0.0
-    friction: Annotated[tuple[Friction, Friction, Friction], Strict(False)] = (0.0, 0.0, 0.0)
-    friction_coefficient: Annotated[
-        tuple[FrictionCoefficient, FrictionCoefficient, FrictionCoefficient], Strict(False)
-    ] = (0.0, 0.0, 0.0)
-    friction_stiffness: Annotated[tuple[FrictionStiffness, FrictionStiffness, FrictionStiffness], Strict(False)] = (
-        0.0,
-        0.0,
-        0.0,
-    )
-    surge_mass: Annotated[tuple[SurgeMass, SurgeMass, SurgeMass], Strict(False)] = (0.0, 0.0, 0.0)
-    surge_exponent: Annotated[tuple[Exponent, Exponent, Exponent], Strict(False)] = (1.0, 1.0, 1.0)
-    lower_points: Annotated[tuple[Point, ...], Strict(False), q.AtMost(1000)] = ()
-    rotational_stiffness: Annotated[tuple[Rotational, Rotational, Rotational], Strict(False)] = (0.0, 0.0, 0.0)
-    rotational_damping: Annotated[tuple[RotationalDamping, RotationalDamping, RotationalDamping], Strict(False)] = (
-        0.0,
-        0.0,
-        0.0,
-    )
-    air_spring: AirSpringTable | None = None
-
-
-class RotationalSpringTable(SceneTable):
-    """Moments about the axes of the lower body, N m/rad and N m s/rad about x, y and z."""
-
-    upper: str
-    lower: str
-    stiffness: Annotated[tuple[Rotational, Rotational, Rotational], Strict(False)]
-    damping: Annotated[tuple[RotationalDamping, RotationalDamping, RotationalDamping], Strict(False)] = (0.0, 0.0, 0.0)
-
-
-class SpeedHoldTable(SceneTable):
-    """Spring, N/m, and damper, N s/m, along the track that keep a body at its place in the reference motion."""
-
-    body: str
-    stiffness: Stiffness = 2e5
-    damping: Damping = 1e5
-
-
-class VehicleFileTable(SceneTable):
-    """A vehicle file after its types have been filled in."""
-
-    bodies: dict[str, VehicleBodyTable]
-    elements: dict[str, ElementTable]
-    rotational_springs: dict[str, RotationalSpringTable] = Field(default_factory=dict)
-    speed_hold: SpeedHoldTable | None = None
-    wheel_y: Annotated[q.Finite, q.Range(0.2, 1.5, "m", "half the distance of the rolling circles")] = 0.75
-    gravity: Annotated[q.Finite, q.Range(0.0, 30.0, "m/s2")] = 9.81
+Part = TypeVar("Part")
 
 
 def load_vehicle(path: str | Path = MANCHESTER) -> Vehicle:
@@ -186,6 +55,8 @@ def vehicle_of(tables: Mapping[str, Any], path: str | Path, *, warn: bool = Fals
     from wheelrail.vehicle.steady.held_bodies import require_held
 
     data = _with_types(tables, path)
+    if "vehicles" in data:
+        data = {"bodies": {}, "elements": {}} | data
     try:
         table = VehicleFileTable.model_validate(data)
     except ValidationError as error:
@@ -193,12 +64,41 @@ def vehicle_of(tables: Mapping[str, Any], path: str | Path, *, warn: bool = Fals
     if warn:
         warn_of_unusual(table, path)
     try:
-        vehicle = _vehicle(table)
+        vehicle = _vehicle(table, _coupled(table, path))
         static_loads(vehicle)  # validates that every body is carried
         require_held(vehicle)
     except InvalidVehicle as error:
         raise SceneError(f"{path}: {entry_message(tuple(error.key.split('.')), data, error.allowed)}") from None
     return vehicle
+
+
+def vehicle_text(path: Path) -> str:
+    """Text of a vehicle file with those of all other files that it names. Raises SceneError."""
+    text = read_text(path)
+    table = parse(text, path).get("vehicles", {})
+    names = {str(own["file"]) for own in table.values() if isinstance(own, Mapping) and "file" in own}
+    if not names:
+        return text
+    files = (f"{json.dumps(name)} = {json.dumps(read_text(path.parent / name))}\n" for name in sorted(names))
+    return f"{text}\n[files]\n{''.join(files)}"
+
+
+def _coupled(table: VehicleFileTable, path: str | Path) -> list[Vehicle]:
+    """Vehicles of a train at their places. Raises SceneError."""
+    found = []
+    for name, own in table.vehicles.items():
+        file, text = Path(path).parent / own.file, table.files.get(own.file)
+        text = read_text(file) if text is None else text
+        if "vehicles" in parse(text, file):
+            raise SceneError(f"{path}: vehicles.{name}.file = {own.file}: must be a vehicle, no train")
+        vehicle = parse_vehicle(text, file)
+        found.append((vehicle.turned if own.turned else vehicle).placed(name, own.x))
+        for key in ("wheel_y", "gravity"):
+            ours, theirs = getattr(table if key in table.model_fields_set else found[0], key), getattr(vehicle, key)
+            if ours != theirs:
+                text = f"must have the same {key}, {ours:g}, as the other vehicles; it is {theirs:g}"
+                raise SceneError(f"{path}: vehicles.{name}.file = {own.file}: {text}")
+    return found
 
 
 def _with_types(data: Mapping[str, Any], path: str | Path) -> dict[str, Any]:
@@ -222,7 +122,7 @@ def _filled(place: str, entry: Any, types: Mapping[str, Mapping[str, Any]]) -> A
     return {**types[name], **{key: value for key, value in entry.items() if key != "type"}}
 
 
-def _vehicle(table: VehicleFileTable) -> Vehicle:
+def _vehicle(table: VehicleFileTable, coupled: Sequence[Vehicle] = ()) -> Vehicle:
     """Raises InvalidVehicle."""
     from wheelrail.vehicle.multibody.elements import InvalidVehicle, RotationalSpring
     from wheelrail.vehicle.multibody.vehicle import SpeedHold, Vehicle, VehicleBody
@@ -237,15 +137,27 @@ def _vehicle(table: VehicleFileTable) -> Vehicle:
             if clash := set(own) & set(springs):
                 raise InvalidVehicle(f"rotational_springs.{min(clash)}", f"must not be named as elements.{name}")
             springs |= {each: RotationalSpring(entry.upper, entry.lower, *turning) for each in own}
-    hold = table.speed_hold
+    hold, bodies = table.speed_hold, {name: VehicleBody(**body.model_dump()) for name, body in table.bodies.items()}
     return Vehicle(
-        bodies={name: VehicleBody(**body.model_dump()) for name, body in table.bodies.items()},
-        elements=elements,
-        rotational_springs=springs,
+        bodies=_joined("bodies", [part.bodies for part in coupled], bodies),
+        elements=_joined("elements", [part.elements for part in coupled], elements),
+        rotational_springs=_joined("rotational_springs", [part.rotational_springs for part in coupled], springs),
         speed_hold=None if hold is None else SpeedHold(**hold.model_dump()),
-        wheel_y=table.wheel_y,
-        gravity=table.gravity,
+        wheel_y=coupled[0].wheel_y if coupled else table.wheel_y,
+        gravity=coupled[0].gravity if coupled else table.gravity,
     )
+
+
+def _joined(kind: str, parts: Sequence[Mapping[str, Part]], own: Mapping[str, Part]) -> dict[str, Part]:
+    """Parts of coupled vehicles, then own ones. Raises InvalidVehicle for a name of both."""
+    from wheelrail.vehicle.multibody.elements import InvalidVehicle
+
+    result: dict[str, Part] = {}
+    for names in (*parts, own):
+        if clash := set(result) & set(names):
+            raise InvalidVehicle(f"{kind}.{min(clash)}", "must not be named as a part of another vehicle")
+        result |= names
+    return result
 
 
 def _elements(name: str, entry: ElementTable) -> dict[str, SuspensionElement]:

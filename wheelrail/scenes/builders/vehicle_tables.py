@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.builders.vehicle import check_fit
-from wheelrail.scenes.builders.vehicle_file import VehicleFileTable, vehicle_of
+from wheelrail.scenes.builders.vehicle_file import vehicle_of
+from wheelrail.scenes.builders.vehicle_file_tables import VehicleFileTable
 from wheelrail.scenes.schema.edits import keys_of
 from wheelrail.scenes.schema.messages import unit_of
 from wheelrail.scenes.schema.toml import parse, read_text

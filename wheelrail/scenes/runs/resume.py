@@ -8,10 +8,12 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from wheelrail.scenes.builders.vehicle_file import vehicle_text
 from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.used_keys import used_keys
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
+from wheelrail.scenes.schema.toml import read_text
 from wheelrail.support.cache import source_digest
 from wheelrail.support.text_file import json_value, present, read_bytes
 
@@ -51,6 +53,8 @@ def inputs(scene: RunScene, vehicle: Path | None = None) -> dict[str, Any]:
     if vehicle is not None:
         speed = {key: data["vehicle"][key] for key in ("speed", "free_speed")}
         data["vehicle"] = {**speed, "file": plain(str(vehicle))}
+        if (text := vehicle_text(vehicle)) != read_text(vehicle):  # names files of coupled vehicles
+            data["vehicle"]["files"] = hashlib.sha256(text.encode()).hexdigest()[:12]
     return data
 
 

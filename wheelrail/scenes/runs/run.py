@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import applied_loads, run_track, vehicle_on
+from wheelrail.scenes.builders.vehicle_file import vehicle_text
 from wheelrail.scenes.builders.wheelset import run_contact, stages_contact
 from wheelrail.scenes.datasets.input_files import FILES, packed
 from wheelrail.scenes.datasets.result_table import Results
@@ -21,7 +22,7 @@ from wheelrail.scenes.runs.progress import costs, progress_bar
 from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
-from wheelrail.scenes.schema.toml import parse, read_text
+from wheelrail.scenes.schema.toml import parse
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -292,7 +293,7 @@ def run_dataset(history: History, text: str, scene: RunScene, file: Path | None 
     from wheelrail.scenes.runs.resume import inputs
     from wheelrail.vehicle.multibody.coordinates import X
 
-    vehicle = "" if file is None else read_text(file)
+    vehicle = "" if file is None else vehicle_text(file)
     facts = {
         "inputs": json.dumps(inputs(scene, file)),
         FILES: packed([(parse(text, "scene"), scene.model_dump())]),
