@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +13,16 @@ from linear_creep import LinearCreep
 from test_elements import matrix_of
 
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle, parse_vehicle, vehicle_text
+from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.scenes.schema.scene import RunScene, load_scene
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.elements import SuspensionElement
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.vehicle import Vehicle, VehicleBody
 from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.force_law import ForceLaw
 
@@ -142,6 +146,44 @@ def test_draw_gear_with_friction_takes_the_energy_of_a_collision() -> None:
     left = 0.5 * stiffness * (deepest**2 - balanced**2) - limit * (deepest - balanced - 2 * stuck)
     fastest = (rates[:, 0] - rates[:, 1]).max()
     assert fastest == pytest.approx(np.sqrt(4 * left / mass), rel=0.03)
+
+
+@cache
+def freight(name: str) -> VehicleDynamics:
+    vehicle, scene = (
+        load_vehicle(MANCHESTER.with_name(f"{name}.toml")),
+        load_scene(MANCHESTER.with_name("vehicle.toml")),
+    )
+    assert isinstance(scene, RunScene)
+    track = Track.curve(tangent=20.0, curvature=1 / 600, cant=0.1, transition=60.0, length=200.0)
+    return VehicleDynamics(vehicle, track, wheelset_contact(scene), 20.0)
+
+
+def test_links_of_the_freight_wagon_slide_in_a_curve() -> None:
+    """Longitudinal force of a box beyond its limit: spring and the part of the load, opposite to the deflection."""
+    dynamics = freight("freight_wagon")
+    at = equilibrium(dynamics, time=8.0)
+    travel = at.dynamics.speed_profile(at.time)
+    (deflections,), (forces,) = at.dynamics.bodies.element_states([travel], at.state[None])
+    boxes = [i for i, name in enumerate(dynamics.vehicle.elements) if name.startswith("box")]
+    load = np.array(dynamics.suspension.static_loads[boxes]) - 1.2e6 * deflections[boxes, 2]
+    x = deflections[boxes, 0]
+    assert np.abs(x).min() > 5e-3
+    np.testing.assert_allclose(forces[boxes, 0], -650e3 * x - 0.04 * load * np.sign(x), rtol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["freight_wagon", "freight_train"])
+def test_freight_runs_into_a_curve(name: str) -> None:
+    """All comes to rest where the balance of the sum of Y holds: m (v^2 / R - g cant / base) but for small angles."""
+    dynamics = freight(name)
+    run = simulate(dynamics, (0.0, 13.0))
+    assert run.status == "completed"
+    mass, rest = dynamics.mass.sum(), run.force[-1, :, :, 1].sum()
+    cant = np.arcsin(0.1 / 1.5)
+    needed = mass * (20.0**2 / 600 * np.cos(cant) - 9.81 * np.sin(cant))
+    assert rest == pytest.approx(needed, rel=0.02, abs=100.0)
+    assert np.abs(run.state[-1] - run.state[-8]).max() < 1e-3
+    assert run.cost.steps.accepted < 250
 
 
 def test_a_file_of_a_train(tmp_path: Path) -> None:

@@ -18,6 +18,8 @@ from wheelrail.vehicle.steady.static_start import StaticStart
 from wheelrail.vehicle.steady.steady_problem import SteadyProblem
 from wheelrail.vehicle.track.track import Track
 
+TO_AND_FRO = 4.0  # damping of Newton's method over the residual: steps of at most a quarter of the largest ones
+
 
 class EquilibriumError(RuntimeError):
     """The iteration for the equilibrium did not converge."""
@@ -126,6 +128,9 @@ def _newton(
         stalled = best.residual <= acceptable and iteration > best.iterations + 4
         if best.residual <= tolerance or stalled:
             return best
+        if problem.dynamics.settle is not None and iteration > best.iterations + 2:
+            # Tangents of friction beyond its limit lead from one limit to the other and back.
+            damping = max(damping, TO_AND_FRO * _size(residual))
         state, contacts, new, damping = _step(problem, state, contacts, residual, damping)
         damping *= min(0.5, _size(new) / _size(residual))
         residual = new

@@ -73,7 +73,7 @@ def vehicle_of(tables: Mapping[str, Any], path: str | Path, *, warn: bool = Fals
 
 
 def vehicle_text(path: Path) -> str:
-    """Text of a vehicle file with those of all other files that it names. Raises SceneError."""
+    """Text of a vehicle file, and of the files named there. Raises SceneError."""
     text = read_text(path)
     table = parse(text, path).get("vehicles", {})
     names = {str(own["file"]) for own in table.values() if isinstance(own, Mapping) and "file" in own}
