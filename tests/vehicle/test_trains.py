@@ -182,7 +182,7 @@ def test_freight_runs_into_a_curve(name: str) -> None:
     cant = np.arcsin(0.1 / 1.5)
     needed = mass * (20.0**2 / 600 * np.cos(cant) - 9.81 * np.sin(cant))
     assert rest == pytest.approx(needed, rel=0.02, abs=100.0)
-    assert np.abs(run.state[-1] - run.state[-8]).max() < 1e-3
+    np.testing.assert_array_equal(run.series[-1], run.series[-4])  # no slider creeps
     assert run.cost.steps.accepted < 250
 
 
