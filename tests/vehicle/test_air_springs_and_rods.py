@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from linear_creep import LinearCreep
 from numpy_vehicle import kinematics
+from sliding_mass import ALL, MASS, matrix_of, on_a_slider
 from standin_contact import CONTACT
-from test_suspension_friction import ALL, MASS, on_a_slider
 
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.schema.errors import SceneError
@@ -30,16 +30,6 @@ from wheelrail.vehicle.wagon.wagon import Wagon
 
 AIR = AirSpring(5e5, 0.2, 0.02, 0.08, 2.0, 2e-3, 3.0)
 DRAWN = np.random.default_rng(7).uniform(0.3, 3.0, size=(3, 4))
-
-
-def matrix_of(dynamics: VehicleDynamics, state: Array) -> Array:
-    """Derivatives of the rate (n, n) without contacts."""
-    c, size = dynamics.coordinates.count, dynamics.size
-    found = np.zeros((size, size))
-    found[:c, c : 2 * c] = np.eye(c)
-    wrenches = np.zeros((len(dynamics.vehicle.wheelsets), 6))
-    found[c:] = dynamics.bodies.derivatives(dynamics.speed_profile(0.0), 0.0, state, wrenches).by_state
-    return found
 
 
 @pytest.mark.parametrize("drawn", DRAWN, ids=str)

@@ -12,16 +12,17 @@ import pytest
 from linear_creep import LinearCreep
 from plane import mirror_signs
 from scipy.integrate import solve_ivp
+from sliding_mass import MASS, on_a_slider
 from standin_contact import CONTACT
 
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
-from wheelrail.vehicle.loads import AppliedLoads, BodyForce, LoadTable
-from wheelrail.vehicle.multibody.elements import InvalidVehicle, SuspensionElement
+from wheelrail.vehicle.loads import LoadTable
+from wheelrail.vehicle.multibody.elements import InvalidVehicle
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
-from wheelrail.vehicle.multibody.vehicle import Vehicle, VehicleBody
+from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.history import History
@@ -31,30 +32,6 @@ from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.steady.modes import held_wheelset_modes, modes
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
-
-ALL = ("x", "y", "z", "roll", "pitch", "yaw")
-MASS = 1000.0  # kg
-
-
-def on_a_slider(
-    force: Any = 0.0, *, direction: int = 1, mass: float = MASS, axle: tuple[str, ...] = ALL, **element: Any
-) -> VehicleDynamics:
-    """A mass that moves in one direction only, on an element above a wheelset that is held, under a force N on it."""
-    held = tuple(name for name in ALL if name != ALL[direction])
-    bodies = {
-        "mass": VehicleBody(mass, (500.0, 500.0, 500.0), 0.0, 1.0, held=held),
-        "axle": VehicleBody(1500.0, (900.0, 100.0, 900.0), 0.0, 0.46, wheelset=True, held=axle),
-    }
-    others = {"series_stiffness": np.inf, "surge_exponent": 1.0}
-    values: dict[str, Any] = {
-        key: tuple(value if j == direction else others.get(key, 0.0) for j in range(3))
-        for key, value in element.items()
-    }
-    part = SuspensionElement("mass", "axle", (0.0, 0.0, 1.0), **values)
-    loads = AppliedLoads(
-        (), (BodyForce("mass", (0.0, 0.0, 1.0), *(force if j == direction else 0.0 for j in range(3))),)
-    )
-    return VehicleDynamics(Vehicle({**bodies}, {"slider": part}, {}), Track(), LinearCreep(), 20.0, loads=loads)
 
 
 def run(dynamics: VehicleDynamics, end: float, position: float = 0.0, rate: float = 0.0, rtol: float = 1e-3) -> History:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from linear_creep import LinearCreep
-from test_elements import matrix_of
+from sliding_mass import matrix_of
 
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle, parse_vehicle, vehicle_text
 from wheelrail.scenes.builders.wheelset import wheelset_contact
