@@ -9,15 +9,19 @@ import numpy as np
 import pytest
 from linear_creep import LinearCreep
 
+from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.laws.friction import Coulomb, FallingFriction, Stribeck, scaled
-from wheelrail.contact.results.result import Patch
+from wheelrail.contact.results.result import ContactResult, Patch
+from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.runs.steady import curve_of
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
+from wheelrail.scenes.wear.lifted import LiftedContact
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.integration.step_control import StepStatistics
+from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, side_wrenches
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.simulation.excitation import Excitation
@@ -117,6 +121,37 @@ def test_a_run_over_a_wet_place_in_a_curve() -> None:
     used = [_used(patch) for row in inside for own in row.patches[0] for patch in own]
     assert 0.1 < max(used) <= 0.3 * 0.4 * (1 + 1e-9)
     assert max(_used(patch) for patch in runs[1].rows[-1].patches[0][1]) > 0.2
+
+
+class Nowhere(VehicleContact):
+    """A table without values."""
+
+    def __call__(self, state: object, side: object, guess: object = None) -> ContactResult:
+        return ContactResult.failed("outside")
+
+
+def test_inner_stages_of_steps_that_leave_the_table_have_the_friction_of_their_place() -> None:
+    d = dynamics(SCENE, replace(Track(), friction=WET))
+    start = equilibrium(replace(d, track=Track())).state
+    start[d.coordinates.index("wheelset_1", Y)] = 2e-3
+    steps = StepSettings("rosenbrock", 3e-3, 3e-5)
+    runs = [simulate(own, (0.6, 0.8), initial=start, steps=steps) for own in (d, replace(d, stages=Nowhere()))]
+    assert np.array_equal(runs[0].state, runs[1].state)
+    dry = simulate(replace(d, track=Track()), (0.6, 0.8), initial=start, steps=steps)
+    assert not np.array_equal(dry.state[-1], runs[0].state[-1])
+
+
+def test_wear_has_the_friction_of_the_place() -> None:
+    own = scene(SCENE)
+    contact, _ = run_contact(own, ["wheelset_1"])
+    found = []
+    for mu, factor in ((own, 0.5), (scene(SCENE.replace("friction = 0.3", "friction = 0.15")), 1.0)):
+        model, _ = run_contact(mu, ["wheelset_1"])
+        state = WheelsetState(y=2e-3, z=-2e-4, yaw=4e-3, speed=V, pitch_rate=V / 0.46, friction=factor)
+        at = {"wheelset_1": {"left": contact(state, "left")}}
+        motion = LiftedContact(mu, {"wheelset_1": model}, model).motion()
+        found.append(motion.results({"wheelset_1": state}, at)["wheelset_1"]["left"].force)
+    assert found[0] == pytest.approx(found[1], rel=1e-6)
 
 
 def _used(patch: Patch) -> float:

@@ -68,6 +68,8 @@ class LiftedMotion:
         if load < LEAST:
             return ContactResult.separated()
         contact, expected = self.of.contacts[name], wheel_scale(self.of.scene, load)
+        if state.friction != 1.0:
+            contact = contact.rubbing(state.friction)
 
         def wheel(depth: float, guess: Results | None) -> Results:
             return (contact(replace(state, z=-depth), side, guess[0] if guess else None),)
