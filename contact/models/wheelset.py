@@ -63,7 +63,7 @@ class WheelsetContact(VehicleContact):
         return all(self.batched(side) is not None or self._tabulated(side) is not None for side in SIDES)
 
     def _tabulated(self, side: Side) -> TabulatedContact | None:
-        """Model of a side, if it looks most forces up."""
+        """Model of a side, if a table has most forces."""
         model = self.of(side).model
         return model if isinstance(model, TabulatedContact) else None
 

@@ -46,6 +46,10 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ({"laws": "paper", "bodies": "solid", "strips": None, "cells": None}, 'only with laws = "exact"'),
         ({"model": "standard", **dict.fromkeys(("bodies", "strips", "cells"))}, 'only with laws = "exact"'),
         ({"points": "grid", "bodies": "waveguide", "strips": None, "cells": None}, 'only with laws = "exact"'),
+        (
+            {"track": {**parse(example("vehicle"), "scene")["track"], "friction": [[5.0, 0.5]]}},
+            "not allowed with track.friction",
+        ),
         ({"falling": {"share": 0.4, "rate": 0.6}}, "only with a constant coefficient of friction"),
         ({"tabulated": {"y": 0.1}}, "tabulated.y = 0.1"),
         ({"tabulated": {"load": 10.0}}, "tabulated.load = 10"),

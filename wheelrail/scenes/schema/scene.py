@@ -540,6 +540,8 @@ class RunScene(OnRails):
             raise q.reject('allowed only with laws = "exact" and model = "condensed" on strips', key)
         if not all(contact.constant_friction for contact in own):
             raise q.reject("allowed only with a constant coefficient of friction", key)
+        if self.track.friction is not None:
+            raise q.reject("not allowed with track.friction: tables are of constant friction", key)
         return self
 
     @model_validator(mode="after")
