@@ -73,13 +73,17 @@ def modes(dynamics: VehicleDynamics, at: Equilibrium | None = None, *, time: flo
     solve fails.
     """
     solution = at or equilibrium(dynamics, time=time)
+    return _modes_of(solution.dynamics, linearised(solution)[1], fixed=np.empty(0, dtype=np.int64))
+
+
+def linearised(solution: Equilibrium) -> tuple[Array, Array]:
+    """State (n,) about which motions are linearised, its sliders stuck, and matrix (n, n) of their rates."""
     linearise = VehicleJacobian(solution.dynamics, StepStatistics(), central=True)
     evaluation = VehicleEvaluation(np.zeros_like(solution.state), solution.contacts)
     state, d = solution.state, solution.dynamics
     if d.settle is not None:
         state = d.bodies.stuck(d.speed_profile(solution.time), state)
-    matrix = linearise(solution.time, state, evaluation).by_state
-    return _modes_of(solution.dynamics, matrix, fixed=np.empty(0, dtype=np.int64))
+    return state, linearise(solution.time, state, evaluation).by_state
 
 
 def held_wheelset_modes(dynamics: VehicleDynamics) -> list[Mode]:

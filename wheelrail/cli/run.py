@@ -161,6 +161,38 @@ def equilibrium(scene: SceneFile, vehicle: NeededVehicleFile, speed: Speeds = No
 
 
 @app.command()
+def response(
+    scene: SceneFile,
+    vehicle: NeededVehicleFile,
+    speed: Speeds = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", metavar="FILE", help="Save a figure of the amplitudes (.png, .svg, .pdf)."),
+    ] = None,
+    count: Annotated[
+        int, typer.Option("--count", metavar="N", min=2, max=2000, help="Frequencies from 0.3 to 30 Hz.")
+    ] = 80,
+    floor: Annotated[
+        float, typer.Option("--floor", metavar="H", min=0.0, max=5.0, help="Height of the floor above top of rail, m.")
+    ] = 1.2,
+) -> None:
+    """Linear response of the accelerations on the floor to irregularities, and their rms on ERRI's tracks."""
+    checked = load_run(scene)
+    check_picture(picture)
+    import numpy as np
+
+    from wheelrail.scenes.runs.response import draw_response, response_results, responses_of
+
+    at = (speed or [checked.vehicle.first_speed])[0]
+    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and response"):
+        found, points = responses_of(checked, vehicle, at, np.geomspace(0.3, 30.0, count), floor)
+    if picture is not None:
+        with error_lines("", f"{picture}: "):
+            draw_response(found.frequency, points, at, picture)
+    print_results(response_results(found, points, at))
+
+
+@app.command()
 def critical(
     scene: SceneFile,
     vehicle: NeededVehicleFile,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wheelrail.scenes.builders.vehicle import applied_loads, run_track, vehicle_on
+from wheelrail.scenes.builders.vehicle import applied_loads, floor_points, run_track, vehicle_on
 from wheelrail.scenes.builders.vehicle_file import parse_vehicle
 from wheelrail.scenes.datasets.input_files import scene_of_run
 from wheelrail.scenes.runs.safety_table import with_forces
@@ -45,7 +45,7 @@ def signals_of(data: Dataset, file: Path, name: str, floor: float) -> tuple[RunS
     text = str(data.attrs["vehicle"])
     vehicle = parse_vehicle(text, file) if text else vehicle_on(scene)
     track = run_track(scene, vehicle)
-    points = _points(vehicle, floor)
+    points = floor_points(vehicle, floor)
     if not points:
         remarks.append("No accelerations: no car body moves freely in all directions")
     states, complete = _states(section, Coordinates(vehicle))
@@ -74,23 +74,6 @@ def signals_of(data: Dataset, file: Path, name: str, floor: float) -> tuple[RunS
         wheel_load=float(data.attrs["mean_wheel_load"]),
     )
     return signals, [f"{name}: {remark}" for remark in remarks]
-
-
-def _points(vehicle: Vehicle, floor: float) -> dict[str, tuple[str, tuple[float, float, float]]]:
-    """Body and place m of points on the floor of car bodies, by name: above the first and the last body that carries
-    one, and in the middle between.
-    """
-    carried = {element.lower for element in vehicle.elements.values()}
-    found = dict[str, tuple[str, tuple[float, float, float]]]()
-    for name, body in vehicle.bodies.items():
-        below = [own.lower for own in vehicle.elements.values() if own.upper == name]
-        if name in vehicle.wheelsets or name in carried or body.held or not below:
-            continue
-        ends = sorted({vehicle.bodies[lower].x for lower in below})
-        middle = 0.5 * (ends[0] + ends[-1])
-        places = {"front": ends[-1], "middle": middle, "rear": ends[0]} if len(ends) > 1 else {"middle": middle}
-        found |= {f"{name} {where}": (name, (x, 0.0, floor)) for where, x in places.items()}
-    return found
 
 
 def _states(section: Dataset, coordinates: Coordinates) -> tuple[Array, bool]:
