@@ -109,6 +109,28 @@ def equilibria(dynamics: VehicleDynamics, speeds: Iterable[float]) -> list[Equil
     return found
 
 
+def on_irregular_rails(
+    dynamics: VehicleDynamics,
+    time: float,
+    guess: Array,
+    near: WheelContacts,
+    tolerance: float = 1e-6,
+    acceptable: float = 1e-3,
+) -> Equilibrium:
+    """State without acceleration where the rails have irregularities, which do not change while the vehicle stands.
+
+    Parameters:
+        dynamics: on a track with irregularities, at a speed so low that their slopes do not matter.
+        time: s.
+        guess: state (n,), near the result.
+        near: contacts at the guess.
+        tolerance, acceptable: as for `equilibrium`.
+
+    Raises EquilibriumError, and StepFailure as `equilibrium`.
+    """
+    return _newton(SteadyProblem(dynamics, time), guess, near, tolerance, acceptable, 60)
+
+
 def _newton(
     problem: SteadyProblem,
     state: Array,

@@ -1,4 +1,4 @@
-"""Commands for vehicle runs: track, run, compare, modes, curving, equilibrium, critical."""
+"""Commands for vehicle runs and linear or steady motions of vehicles."""
 
 from __future__ import annotations
 
@@ -193,6 +193,29 @@ def response(
 
 
 @app.command()
+def twist(
+    scene: SceneFile,
+    vehicle: NeededVehicleFile,
+    body: Annotated[
+        float | None, typer.Option("--body", metavar="G", help="Twist between the bogies; default: of EN 14363.")
+    ] = None,
+    bogie: Annotated[
+        float | None, typer.Option("--bogie", metavar="G", help="Twist of the first bogie; default: of EN 14363.")
+    ] = None,
+) -> None:
+    """Wheel unloading of a vehicle at walking pace on track with twisted body, twisted bogie, and both."""
+    checked = load_run(scene)
+    for name, value in (("--body", body), ("--bogie", bogie)):
+        if value is not None and not -0.02 <= value <= 0.02:
+            raise rejected(f"{name} {value:g}: must be -0.02 to 0.02 (3 per mille is 0.003)")
+    from wheelrail.scenes.runs.twist import twist_results, twists_of
+
+    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("equilibria on twisted track"):
+        found = twists_of(checked, vehicle, body, bogie)
+    print_results(twist_results(found))
+
+
+@app.command()
 def critical(
     scene: SceneFile,
     vehicle: NeededVehicleFile,
@@ -267,21 +290,3 @@ def hunting(
         with error_lines("", f"{picture}: "):
             draw_bifurcation(cycles, names, picture)
     print_results(hunting_results(cycles, names, fold is not None))
-
-
-@app.command()
-def evaluate(
-    results: Annotated[Path, typer.Argument(metavar="RUN", help="Results of a run: run.nc or its folder.")],
-    start: Annotated[float, typer.Option("--from", metavar="S", help="Start of the section of track, m.")] = 0.0,
-    end: Annotated[float, typer.Option("--to", metavar="S", help="End of the section, m.")] = float("inf"),
-    alpha: Annotated[
-        float,
-        typer.Option("--alpha", metavar="A", min=0.1, max=1.0, help="Factor of the limit of the sum of Y."),
-    ] = 1.0,
-) -> None:
-    """Running safety of a run after EN 14363: sum of Y, Y/Q, Q, instability."""
-    from wheelrail.scenes.runs.safety_table import safety_of, safety_results
-
-    with error_lines(""), stdout_for_results():
-        safety = safety_of(results, start, end, alpha)
-    print_results(safety_results(safety))

@@ -1,4 +1,4 @@
-"""Commands for 3D views, animations, HTML reports and assessments."""
+"""Commands for 3D views, animations, HTML reports, running safety and assessments."""
 
 from __future__ import annotations
 
@@ -99,6 +99,24 @@ def report(
     with error_lines("", f"{place}: "), stdout_for_results(), progress_console().status("reading and drawing"):
         write_report(folder, place, view=not no_view)
     print_files("report", place)
+
+
+@app.command()
+def evaluate(
+    results: Annotated[Path, typer.Argument(metavar="RUN", help="Results of a run: run.nc or its folder.")],
+    start: Annotated[float, typer.Option("--from", metavar="S", help="Start of the section of track, m.")] = 0.0,
+    end: Annotated[float, typer.Option("--to", metavar="S", help="End of the section, m.")] = float("inf"),
+    alpha: Annotated[
+        float,
+        typer.Option("--alpha", metavar="A", min=0.1, max=1.0, help="Factor of the limit of the sum of Y."),
+    ] = 1.0,
+) -> None:
+    """Running safety of a run after EN 14363: sum of Y, Y/Q, Q, instability."""
+    from wheelrail.scenes.runs.safety_table import safety_of, safety_results
+
+    with error_lines(""), stdout_for_results():
+        safety = safety_of(results, start, end, alpha)
+    print_results(safety_results(safety))
 
 
 @app.command()
