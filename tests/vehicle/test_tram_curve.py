@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from functools import cache
 
+import numpy as np
 import pytest
 
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, parse_vehicle
@@ -13,10 +15,13 @@ from wheelrail.scenes.schema.messages import warn_of_unusual
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts
+from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
 from wheelrail.vehicle.steady.equilibrium import equilibrium
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
 
 V, MASS = 3.0, 14400.0
@@ -85,6 +90,21 @@ def test_a_run_into_a_curve_of_25_m_ends_in_its_equilibrium() -> None:
     for name, state in run.dynamics.wheelset_states(6.0, run.rows[-1].state).items():
         assert (state.y, state.yaw) == pytest.approx((expected[name].y, expected[name].yaw), abs=1e-4)
         assert state.twist_rate == pytest.approx(expected[name].twist_rate, rel=1e-2)
+
+
+def test_a_resumed_run_repeats_the_whole_one_to_the_last_bit() -> None:
+    """With independent wheels, a gauge that widens and friction that falls."""
+    segments = [Segment("transition", 3.0), Segment("arc", 10.0, 1 / 100, widening=0.01)]
+    d = bogie(Track.of(segments, friction=PiecewiseFunction((2.0, 3.0), (1.0, 0.5))))
+    written, steps = list[Checkpoint](), StepSettings("rosenbrock", 3e-3, 3e-5)
+    every = Checkpoints(30, lambda at: written.append(deepcopy(at)))
+    whole = simulate(d, (0.0, 1.5), steps=steps, recording=Recording(checkpoints=every))
+    assert whole.status == "completed"
+    again = Recording(checkpoints=Checkpoints(30, lambda _: None, written[0]))
+    resumed = simulate(d, (0.0, 1.5), steps=steps, recording=again)
+    assert np.array_equal(resumed.state, whole.state)
+    assert np.array_equal(resumed.force, whole.force)
+    assert np.abs(whole.state[-1, d.coordinates.twist_rates]).min() > 1e-3
 
 
 def test_scenes_of_sharp_curves_name_what_is_neglected() -> None:
