@@ -123,8 +123,12 @@ OF_VEHICLE = {
 }
 STEADY = {
     **{name: own.quantity for name, own in OF_VEHICLE.items()},
-    "critical_speed": Quantity((), "m/s", "linear critical speed on straight track", label="critical speed"),
-    "critical_frequency": Quantity((), "Hz", "frequency of the mode at the critical speed", label="frequency"),
+    "critical_speed": Quantity(
+        (), "m/s", "linear critical speed on straight track", label="critical speed", shown="m/s"
+    ),
+    "critical_frequency": Quantity(
+        (), "Hz", "frequency of the mode at the critical speed", label="frequency", shown="Hz"
+    ),
 }
 PHYSICAL = {name: own.quantity for name, own in (RUN_SIDES | RUN_WHOLE).items()} | STEADY
 PHYSICAL = {**CONTACT_SIDES, **STRESSES, **{name: own for name, own in PHYSICAL.items() if name not in CONTACT_SIDES}}
