@@ -110,6 +110,8 @@ def test_a_run_with_a_table_follows_that_with_its_model(table: Path, tmp_path: P
     results = {model: wr.run(tmp_path / f"{model}.toml").data for model in ("table", "standard")}
     Q = {model: data["vertical_force"].isel(time=-1).values for model, data in results.items()}
     np.testing.assert_allclose(Q["table"], Q["standard"], rtol=0.02)
+    assert np.isnan(results["table"]["t_gamma"]).all()  # unknown, not zero
+    assert (results["standard"]["t_gamma"] >= 0.0).all()
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,8 @@ def wear(data: Dataset, shear_yield: float) -> dict[str, Variable]:
     loaded = data["patch_max_pressure"].copy(data=load_factor(data["patch_max_pressure"].values, shear_yield))
     with np.errstate(divide="ignore"):
         index = used.copy(data=surface_fatigue_index(used.values, loaded.values))
-    per_wheel = power.sum("patch")
+    unknown = (normal.notnull() & power.isnull()).any("patch")  # of a table, whose patches are resultants only
+    per_wheel = power.sum("patch").where(~unknown)
     values = {
         "frictional_power": per_wheel,
         "t_gamma": per_wheel / data["speed"],
