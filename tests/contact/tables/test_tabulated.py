@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from plane import mirror_signs
 from standard_pair import MOUNTING, wheel_on_rail
 from test_force_table import STATE, built
 
@@ -16,6 +18,14 @@ from wheelrail.contact.models.table.tabulated import TabulatedContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
+from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.plane_wagon import wagon_dynamics
+from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
+from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.simulate import simulate
+from wheelrail.vehicle.simulation.time_run import Recording
+from wheelrail.vehicle.track.track import Track
+from wheelrail.vehicle.wagon.wagon import Wagon
 
 ELASTIC = wheel_on_rail()
 COLUMNS = {"y": 1e-8, "z": 1e-9, "roll": 1e-8, "yaw": 1e-7, "y_rate": 1e-5, "yaw_rate": 1e-5, "pitch_rate": 1e-5}
@@ -131,3 +141,27 @@ def test_wheels_of_a_side_together_are_single_wheels(side: Side) -> None:
     for own, other in zip(together, others, strict=True):
         assert np.array_equal(own.force * [1, -1, 1], other.force)
         assert np.array_equal(own.moment * [-1, 1, -1], other.moment)
+
+
+def into_a_curve(contact: WheelsetContact, curvature: float, checkpoints: Checkpoints | None = None) -> History:
+    track = Track.curve(curvature=curvature, cant=0.06, transition=15.0, length=50.0)
+    dynamics = wagon_dynamics(Wagon(), track, contact, 45.0)
+    steps = StepSettings("rosenbrock", 3e-3, 3e-6)
+    return simulate(dynamics, (0.0, 0.35), steps=steps, recording=Recording(checkpoints=checkpoints))
+
+
+def test_runs_from_the_table_to_the_elastic_contact() -> None:
+    """Beyond 1 mm; mirrored and resumed runs are the same to the last bit."""
+    written = list[Checkpoint]()
+    left = into_a_curve(tabulated(), 1 / 600, Checkpoints(4, lambda at: written.append(deepcopy(at))))
+    right, elastic = into_a_curve(tabulated(), -1 / 600), into_a_curve(ELASTIC, 1 / 600)
+    assert left.status == "completed"
+    y = np.abs(left.coordinate("wheelset", 1))
+    assert y[0] < 5e-4
+    assert y[-1] > 1.2e-3
+    assert left.coordinate("wheelset", 1)[-1] == pytest.approx(elastic.coordinate("wheelset", 1)[-1], abs=3e-5)
+    np.testing.assert_array_equal(right.state, mirror_signs(left.dynamics.coordinates) * left.state)
+    for at in written[1:3]:
+        again = into_a_curve(tabulated(), 1 / 600, Checkpoints(4, lambda _: None, at))
+        np.testing.assert_array_equal(again.state, left.state)
+        np.testing.assert_array_equal(again.force, left.force)
