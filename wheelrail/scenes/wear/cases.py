@@ -132,7 +132,7 @@ class _Made(NamedTuple):
 
 
 class CaseContact(NamedTuple):
-    """Contact of a case's motion, that of its wear, None where it is the same, and elastic axles and rails."""
+    """Contacts of a case's motion and of its wear, None where both are the same; elastic axles and rails."""
 
     motion: VehicleContact
     wearing: LiftedContact | None
