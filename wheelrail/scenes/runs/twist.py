@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Twist(NamedTuple):
-    """A twisted track, and the vehicle on it; twists of body and bogie, 1; names of the wheelsets."""
+    """Vehicle on a twisted track; twists of body and bogie, 1; names of the wheelsets."""
 
     name: str
     body: float

@@ -192,7 +192,7 @@ class StudyTable(SceneTable):
         return self.workers or len(os.sched_getaffinity(0))
 
     def base(self, folder: str | Path) -> tuple[dict[str, Any], Path]:
-        """Tables of the scene, with those of the vehicle, and its file (hypothetical for a scene in the study)."""
+        """Tables of the scene and of the vehicle, and the scene's file (hypothetical for a scene in the study)."""
         from wheelrail.scenes.builders.vehicle_tables import VEHICLE_FILE, vehicle_tables
 
         file = Path(self.scene) if isinstance(self.scene, str) else Path(folder, "scene")
