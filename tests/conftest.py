@@ -11,11 +11,15 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import logging
 import shutil
 import signal
+import sys
 import tempfile
 from collections.abc import Iterator
 from functools import partial
 
 import pytest
+
+LARGE = 1.5e9  # bytes of a process
+TESTS = os.path.dirname(__file__) + os.sep
 
 # A shell lets background processes ignore Ctrl-C, which processes started by tests would inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -43,3 +47,19 @@ def _messages_as_before() -> Iterator[None]:
     """Benchmarks silence the messages of the process that they run in."""
     yield
     logging.disable(logging.NOTSET)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _models_of_files() -> Iterator[None]:
+    """Models that tests share end where they are too large: a process of the suite grew to 8 GB by tables of narrow
+    strips.
+    """
+    yield
+    with open("/proc/self/statm", encoding="ascii") as file:
+        if int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") < LARGE:
+            return
+    for module in list(sys.modules.values()):
+        if (getattr(module, "__file__", None) or "").startswith(TESTS):
+            for shared in list(vars(module).values()):
+                if hasattr(shared, "cache_clear") and not shared.__module__.startswith("wheelrail."):
+                    shared.cache_clear()
