@@ -16,6 +16,7 @@ from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle, par
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene, load_scene
+from wheelrail.scenes.views.vehicle_poses import DrawnVehicle
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.elements import SuspensionElement
@@ -198,6 +199,13 @@ def test_a_file_of_a_train(tmp_path: Path) -> None:
     assert parse_vehicle(text, file) == found
     dynamics = VehicleDynamics(replace(found, speed_hold=None), Track(), LinearCreep(), 20.0)
     assert np.isfinite(matrix_of(dynamics, np.zeros(dynamics.size))).all()
+
+
+def test_bodies_stand_on_their_own_wheelsets() -> None:
+    """Couplers do not make one wagon the bogie of the other, in pictures."""
+    dynamics = freight("freight_train")
+    carriers = DrawnVehicle(dynamics.vehicle, dynamics.track, 1.0).carriers
+    assert carriers == {f"{name}_body": [f"{name}_wheelset_2", f"{name}_wheelset_1"] for name in ("first", "second")}
 
 
 @pytest.mark.parametrize(

@@ -74,6 +74,11 @@ class SuspensionElement:
         return self.friction[direction] > 0.0 or self.friction_coefficient[direction] > 0.0
 
     @property
+    def carries(self) -> bool:
+        """Whether the upper body stands on the lower one: on a vertical spring."""
+        return self.stiffness[2] != 0.0
+
+    @property
     def length(self) -> float:
         """Of a rod, m; 0 for other elements."""
         return 0.0 if self.lower_point is None else dist(self.point, self.lower_point)

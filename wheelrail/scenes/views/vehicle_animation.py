@@ -121,7 +121,7 @@ class VehicleAnimation:
 
     def _draw_bodies(self, *, shell: bool) -> None:
         """Add all bodies and the track to the present pane; shell: bodies on top as translucent boxes, else edges."""
-        view, carried = self.view, {e.lower for e in self.vehicle.elements.values()}
+        view, carried = self.view, {e.lower for e in self.vehicle.elements.values() if e.carries}
         for rail in self._rails.values():
             view.add_mesh(rail, color=RAIL)
         view.add_mesh(self._sleepers, color=TIES)

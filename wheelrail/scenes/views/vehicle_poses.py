@@ -50,7 +50,7 @@ class DrawnVehicle:
         """Bodies below each body that is no wheelset, in the order of their places, bodies below first."""
         below = {
             name: sorted(
-                {e.lower for e in self.vehicle.elements.values() if e.upper == name},
+                {e.lower for e in self.vehicle.elements.values() if e.upper == name and e.carries},
                 key=lambda other: self.vehicle.bodies[other].x,
             )
             for name, body in self.vehicle.bodies.items()
