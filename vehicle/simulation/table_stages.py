@@ -13,7 +13,7 @@ from wheelrail.contact.kinematics.copies import changed
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import NO_SHIFT, WheelsetState
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.contact.results.vehicle_contact import IndependentWheels, VehicleContact, WrappedContact
+from wheelrail.contact.results.vehicle_contact import FrictionAlong, IndependentWheels, VehicleContact, WrappedContact
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import HasDerivatives, RightHandSide
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
@@ -142,7 +142,8 @@ class TableStages:
                     offset = np.concatenate([own[i].force - there.force, own[i].moment - there.moment])
                     at = values_on_rail(turning, side, radius)
                     corrections[turning.wheelset, side] = Correction(own[i], at, offset, slope)
-        contact = CorrectedTable(dynamics.element.contact, self.table, corrections, radius)
+        solved = FrictionAlong(dynamics.contact) if dynamics.track.rubs else dynamics.contact
+        contact = CorrectedTable(solved, self.table, corrections, radius)
         element = ContactElement(IndependentWheels(contact) if dynamics.twists else contact, SIDES)
         return lambda time, state, previous: dynamics.evaluated(
             time, state, None if previous is None else previous.contacts, element
