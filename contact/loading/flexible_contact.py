@@ -128,7 +128,7 @@ class FlexiblePairs:
 
 
 def on_parts(loads: Array, index: int) -> Array:
-    """Loads (n, 18, ...) on even and odd parts of motions of hubs, then of rails, by those (n, 9, ...) of a side."""
+    """Loads (n, 18, ...) on even and odd parts of hubs and rails, by loads (n, 9, ...) on one side."""
     odd = -loads if index else loads
     return np.concatenate([loads[:, :6], odd[:, :6], loads[:, 6:], odd[:, 6:]], axis=1)
 

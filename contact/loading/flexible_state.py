@@ -19,7 +19,7 @@ SIDES_OF_MOTIONS = slice(0, 6), slice(6, 12), slice(12, 15), slice(15, 18)
 
 
 def sums_and_differences(*sizes: int) -> Array:
-    """Matrix that turns even and odd parts of motions into those of the left and the right side, as left-hand ones.
+    """Matrix that turns even and odd parts into motions of the left and the right side, as left-hand ones.
 
     In the mirror y = 0 even parts (l + r) / 2 stay and odd ones (l - r) / 2 change their sign, whatever the rounding,
     while those of the sides change places. The matrix also turns loads of the sides into those on even and odd parts.
@@ -39,12 +39,12 @@ OF_SIDES = sums_and_differences(len(HUB_MOTIONS), len(RAIL_MOTIONS))
 
 
 def of_parts(compliance: Array) -> Array:
-    """Compliance (18, 18) of even and odd parts, of that of the sides; alike sides leave nothing between them."""
+    """Compliance (18, 18) of even and odd parts, of that of the sides; sides that are alike couple no parts."""
     return np.asarray(0.25 * (OF_SIDES @ (compliance @ OF_SIDES)))
 
 
 def by_parts(tangents: Array) -> Array:
-    """Derivatives (..., 27) by the wheelset's coordinates and even and odd parts, of those by the motions of sides."""
+    """Derivatives (..., 27) by the wheelset's coordinates and even and odd parts, of derivatives by the motions of sides."""
     rigid = len(WheelsetState.coordinates)
     return np.concatenate([tangents[..., :rigid], tangents[..., rigid:] @ OF_SIDES], axis=-1)
 

@@ -81,7 +81,7 @@ class Structures:
 
     @cached_property
     def _alike(self) -> list[tuple[FlexiblePairs, list[int]]]:
-        """Pairs with the indices of their elastic wheelsets among all of these."""
+        """Pairs with the indices of their wheelsets among all elastic ones."""
         pairs = [own.structure.pairs for own in self.elastic]
         found = {id(own): own for own in pairs}
         return [(own, [i for i, other in enumerate(pairs) if other is own]) for own in found.values()]
