@@ -57,7 +57,7 @@ class FlexiblePairs:
         return MovedStates(np.array([s.values for s in states]), moves, mounting.dimensions, (y, z), index == 1)
 
     def _moves(self, states: Sequence[WheelsetState], index: int) -> Array:
-        """Motions (n, 9) of hub and rail of a side, those of the hub relative to the line through both hubs.
+        """Motions (n, 9) of hub and rail of a side; the hub moves relative to the line through both hubs.
 
         Sums and differences of both sides, and no others, keep mirror images to the last bit.
         """

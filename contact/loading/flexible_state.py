@@ -44,7 +44,7 @@ def of_parts(compliance: Array) -> Array:
 
 
 def by_parts(tangents: Array) -> Array:
-    """Derivatives (..., 27) by the wheelset's coordinates and even and odd parts, of derivatives by the motions of sides."""
+    """Derivatives (..., 27) by the wheelset's coordinates and parts, of derivatives by the motions of sides."""
     rigid = len(WheelsetState.coordinates)
     return np.concatenate([tangents[..., :rigid], tangents[..., rigid:] @ OF_SIDES], axis=-1)
 
