@@ -21,7 +21,7 @@ MASS = 1000.0  # kg
 def on_a_slider(
     force: Any = 0.0, *, direction: int = 1, mass: float = MASS, axle: tuple[str, ...] = ALL, **element: Any
 ) -> VehicleDynamics:
-    """A mass that moves in one direction only, on an element above a wheelset that is held, under a force N on it."""
+    """A mass that moves in one direction only, on an element above a wheelset that is held; force N on the mass."""
     held = tuple(name for name in ALL if name != ALL[direction])
     bodies = {
         "mass": VehicleBody(mass, (500.0, 500.0, 500.0), 0.0, 1.0, held=held),
