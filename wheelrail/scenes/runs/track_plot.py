@@ -112,7 +112,10 @@ def _spectra(ax: Axes, irregularities: Irregularities, length: float) -> None:
     ax.set_ylabel("[m²/(rad/m)]")
     shown = density[:, :2][density[:, :2] > 0.0]
     if len(shown):
-        ax.set_ylim(max(float(shown.min()), 1e-6 * float(shown.max())), 10.0 * float(shown.max()))
+        least = max(float(shown.min()), 1e-6 * float(shown.max()))
+        decades = 10.0 ** np.arange(np.floor(np.log10(least)), np.ceil(np.log10(10.0 * shown.max())) + 1.0)
+        ax.set_ylim(decades[0], decades[-1])
+        ax.set_yticks(decades[::2])
     ax.legend(loc="lower left", ncols=2, fontsize=7)
 
 
