@@ -6,17 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from linear_creep import LinearCreep
 from standard_pair import wheel_on_rail
 from standin_contact import CONTACT
 
+from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.scenes.datasets.run import dataset
 from wheelrail.scenes.datasets.run_derived import with_energy
 from wheelrail.vehicle.integration.integrate import StepSettings
+from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, COUNT, wagon_dynamics
 from wheelrail.vehicle.simulation.energy_balance import POWERS, EnergyBalance, energy_balance
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.equilibrium import equilibrium
+from wheelrail.vehicle.steady.start_state import start_state
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
@@ -55,6 +59,31 @@ def test_energy_balance_closes(wagon: Wagon, track: Track, speed: float | SpeedP
     if track.irregularities is None:  # which do the work
         assert abs(found.work[-1, POWERS.index("inertial")]) > 1.0  # J: not trivial
     assert (found.power[:, POWERS.index("dampers")] <= 0.0).all()
+
+
+@pytest.mark.parametrize("held", [(), ("x",)])
+def test_energy_balance_of_a_vehicle_in_three_dimensions(held: tuple[str, ...]) -> None:
+    """In transitions elements deflect between frames that turn against each other; bodies move along the track."""
+    vehicle, track = (
+        load_vehicle(),
+        Track.curve(curvature=1 / 600, cant=0.08, transition=30.0, length=60.0, gradient=0.01),
+    )
+    bodies = {name: replace(body, held=(*held, *body.held)) for name, body in vehicle.bodies.items()}
+    dynamics = VehicleDynamics(replace(vehicle, bodies=bodies), track, LinearCreep(), 25.0)
+    found = energy_balance(simulate(dynamics, (0.0, 4.0), steps=StepSettings("rosenbrock", 1e-3, 1e-6)))
+    assert found.error < 5e-4
+    assert abs(found.work[:, POWERS.index("inertial")]).max() > 1e3  # J
+
+
+def test_frames_on_straight_track_do_no_work() -> None:
+    """Where no body moves along the track against the others, but for bearings that turn about their axles."""
+    dynamics = VehicleDynamics(load_vehicle(), Track(), LinearCreep(), 25.0)
+    random, c = np.random.default_rng(3), dynamics.coordinates.count
+    state, wrenches = start_state(dynamics), random.normal(size=(4, 6)) * 1e4
+    state[: 2 * c] += 1e-2 * random.normal(size=2 * c)
+    state[c : 2 * c][dynamics.coordinates.free % 6 == 0] = 0.0
+    _, _, *powers = dynamics.bodies.energy_rates(dynamics.speed_profile(0.0), state, wrenches)
+    assert abs(powers[POWERS.index("inertial")]) < 1e-3 * abs(powers[POWERS.index("dampers")])
 
 
 def test_gap_decreases_with_the_tolerance() -> None:

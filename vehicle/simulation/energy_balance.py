@@ -27,9 +27,10 @@ class EnergyBalance:
         friction: (n,) J, work of friction since the first row; None: there is none.
 
     Spin is measured from nominal rolling, whose half a megajoule would hide the other contributions. Contact forces do
-    work on the wheelset, gravity and the inertial forces of the frame on all bodies. The constraint that moves the
-    wagon along the track does no work in this frame. With an elastic axle or pads their energy is part of the energy,
-    and the loads on hubs and rails do work on their motions, which is part of that of the contact; so is, on discrete
+    work on the wheelset, gravity and the inertial forces of the frames on all bodies. Each body has the frame at its
+    own distance, in which motion along the track does no work. Where frames turn against each other, elements between
+    bodies deflect: that power counts as inertial. With an elastic axle or pads their energy is part of the energy, and
+    the loads on hubs and rails do work on their motions, which is part of that of the contact; so is, on discrete
     sleepers, the work of moving the loads along rails whose compliance changes.
     """
 
@@ -71,7 +72,7 @@ class EnergyBalance:
 
 
 def energy_balance(history: History) -> EnergyBalance:
-    """Energy balance of a run of a vehicle whose bodies are held at their places along the track.
+    """Energy balance of a run.
 
     Parameters:
         history: rows at all accepted steps.

@@ -71,6 +71,10 @@ struct BodyState {
                   section.axes * frame.rotation, section.axes * turn};
     }
 
+    // Angular velocity rad/s of the body against the track frame, less that of nominal rolling, in the axes of the
+    // frame.
+    Vec<T> turning() const { return frame.yaw_rate + frame.roll_rate + rate[4] * frame.axle; }
+
     // Angular velocity rad/s of the body, spin included, in the track frame.
     Vec<T> angular() const { return frame.rate + frame.yaw_rate + frame.roll_rate + frame.spin * frame.axle; }
 };

@@ -8,7 +8,7 @@
 namespace wr {
 
 // Kinetic energy J of the motion in the frames, and that of springs and static loads, zero in the nominal position;
-// powers W of contacts, dampers, weight, the accelerations of the frames, applied loads, and friction.
+// powers W of contacts, dampers, weight, the accelerations and relative motion of the frames, applied loads, friction.
 struct EnergyRates {
     double kinetic = 0.0, elastic = 0.0, contacts = 0.0, dampers = 0.0, weight = 0.0, inertial = 0.0, applied = 0.0,
            friction = 0.0;
@@ -61,22 +61,53 @@ inline void add_suspension(const Vehicle& vehicle, const std::vector<BodyState<d
     }
 }
 
+// Power W that the suspension takes from the relative motion of its bodies' frames. In transitions frames of bodies
+// at different places turn against each other, and elements deflect without any motion of bodies in their frames.
+// Parameters: total, forces and moments of the suspension on the bodies, in common axes; deflecting, W.
+inline double power_of_frames(const std::vector<BodyState<double>>& all, const std::vector<Wrench<double>>& total,
+                              double deflecting) {
+    double within = 0.0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const auto& [axes, f] = std::tie(all[i].section.axes, all[i].frame);
+        within += dot(back(axes, total[i].force), f.offset_rate) + dot(back(axes, total[i].moment), all[i].turning());
+    }
+    return within - deflecting;
+}
+
 inline EnergyRates energy_rates(const Vehicle& vehicle, const Travel<double>& travel, const double* state,
                                 const double* sections, const double* contacts) {
     EnergyRates sum;
     auto all = vehicle.body_states(travel, state, sections);
     auto applied = vehicle.loads(all);
     add_suspension(vehicle, all, state, sum);
+    std::vector<Wrench<double>> total(all.size());
+    double deflecting = 0.0;
+    vehicle.suspension<double>(
+        state, [&](int i, int) -> const Motion<double>& { return all[i].motion; },
+        [&](int u, int l, const auto& force, const auto& on_upper, const auto& on_lower) {
+            total[u].add(force, on_upper), total[l].add(-1.0 * force, -1.0 * on_lower);
+        },
+        [&](const Element&, const ElementState<double>& s) { deflecting += dot(s.own_force, s.deflection_rate); });
+    for (const auto& spring : vehicle.springs) {
+        const auto &upper = all[spring.upper].motion, &lower = all[spring.lower].motion;
+        deflecting += dot(spring_moment(spring, upper, lower), upper.rate - lower.rate);
+    }
+    sum.inertial += power_of_frames(all, total, deflecting);
     for (int i = 0; i < vehicle.count(); ++i) {
         const auto& [body, at, f, c] = std::tie(vehicle.bodies[i], all[i], all[i].frame, applied[i]);
-        const double *w = contacts + 6 * i, path = travel.acceleration;
-        auto velocity = f.offset_rate, turn = f.yaw_rate + f.roll_rate + at.rate[4] * f.axle;
+        const double* w = contacts + 6 * i;
+        Wrench<double> contact{{w[0], w[1], w[2]}, {w[3], w[4], w[5]}}, whole_load = total[i];
+        whole_load.add(c.force, c.moment);
+        double own_rates[6];
+        vehicle.accelerate_body(i, at, whole_load, contact, own_rates);
+        double path = travel.acceleration + (body.held[0] ? 0.0 : own_rates[0]);  // of the frame, along the track
+        auto velocity = f.offset_rate, turn = at.turning();
         auto own = back(f.rotation, turn), whole = back(f.rotation, at.angular());
         auto change = convective_turn(at, path);
-        if (body.wheelset) change = change + (path / vehicle.radius) * f.axle;
+        if (body.wheelset) change = change + (travel.acceleration / vehicle.radius) * f.axle;
         auto moment = times(body.inertia, back(f.rotation, change)) + cross(whole, times(body.inertia, whole));
         sum.kinetic += 0.5 * (body.mass * dot(velocity, velocity) + dot(own, times(body.inertia, own)));
-        sum.contacts += dot(Vec<double>{w[0], w[1], w[2]}, velocity) + dot(Vec<double>{w[3], w[4], w[5]}, turn);
+        sum.contacts += dot(contact.force, velocity) + dot(contact.moment, turn);
         sum.weight -= vehicle.gravity * body.mass * dot(back(at.section.axes, Vec<double>{0.0, 0.0, 1.0}), velocity);
         sum.inertial -= body.mass * dot(convective(at, path), velocity) + dot(moment, own);
         sum.applied += dot(back(at.section.axes, c.force), velocity) + dot(back(at.section.axes, c.moment), turn);

@@ -291,7 +291,6 @@ def run_dataset(history: History, text: str, scene: RunScene, file: Path | None 
     from wheelrail.scenes.quantities import RUN
     from wheelrail.scenes.quantity import filled
     from wheelrail.scenes.runs.resume import inputs
-    from wheelrail.vehicle.multibody.coordinates import X
 
     vehicle = "" if file is None else vehicle_text(file)
     facts = {
@@ -303,9 +302,7 @@ def run_dataset(history: History, text: str, scene: RunScene, file: Path | None 
     if scene.contacts:
         owners = {one: name for name, own in scene.contacts.items() for one in own.wheelsets}
         data = data.assign(filled(RUN, {"contact": [owners.get(str(one), "") for one in data["wheelset"].values]}))
-    at_places = bool(history.dynamics.coordinates.held[:, X].all())
-    # The work between samples at an interval is unknown, and that of a force that moves bodies along the track.
-    return with_energy(data, history) if at_places and not scene.output.interval else data
+    return data if scene.output.interval else with_energy(data, history)  # of an interval the work within is unknown
 
 
 def _sampling(interval: float) -> str:
