@@ -195,13 +195,13 @@ ElementState<T> element_state(const Element& e, const std::vector<Law>& laws, co
                     : lower.axes * rotation_matrix(e.turn * rotation_vector(relative(lower.axes, upper.axes)));
     auto axes_rate = (1.0 - e.turn) * lower.rate + e.turn * upper.rate;
     auto x = back(axes, gap), rate = back(axes, gap_rate - cross(axes_rate, gap));
-    const auto &series = internal.series, &d = e.directions;
-    const auto& flow = internal.flow;
+    const auto& [series, slider, flow] = internal;
+    const auto& d = e.directions;
     ElementState<T> s{x, rate, {}, {}, {}, {}, {}, {}};
     s.own_force = {direction_force(d[0], laws, x.x, rate.x, series.x, flow.x, s.series_rate.x),
                    direction_force(d[1], laws, x.y, rate.y, series.y, flow.y, s.series_rate.y),
                    direction_force(d[2], laws, x.z, rate.z, series.z, flow.z, s.series_rate.z) + e.static_load};
-    add_friction(e, laws, internal.slider, s);
+    add_friction(e, laws, slider, s);
     s.force = axes * s.own_force;
     auto point = place + (1.0 - e.turn) * gap;
     s.on_upper = cross(point - upper.position, s.force), s.on_lower = cross(point - lower.position, s.force);
