@@ -70,3 +70,18 @@ def test_a_wheels_life() -> None:
     assert (names["peaks"]["worn"] != names["peaks"]["new"]).all()
     assert names["by_case"][2, 1] > names["by_case"][2, 0]
     assert names["rates"].values[0, 2] > names["rates"].values[0, 0]
+
+
+def test_a_vehicle_assessed() -> None:
+    """Acceleration of the steady curve is the unbalanced one; friction raises the guiding force."""
+    parameters = {"friction": {"low": 0.15, "high": 0.45}}
+    names = executed("12_a_vehicle_assessed.py", CURVES={300.0: (0.12, 22.0)}, LENGTH=160.0, PARAMETERS=parameters)
+    (found,) = (
+        own[own["criterion"]]
+        for own in names["found"].data["estimates"]
+        if own["criterion"] == "quasi_static_acceleration"
+    )
+    # On the floor, which springs lean outwards by some per cent.
+    assert found["mean"] == pytest.approx(22.0**2 / 300.0 - 9.81 * 0.12 / 1.5, rel=0.2)
+    low, high = names["study"].data["largest_guiding_force"].values[1:]
+    assert high > 1.2 * low

@@ -46,8 +46,9 @@ def utilisation(sections: Sequence[Section], estimates: Sequence[Estimate]) -> F
     labels = [f"{CRITERIA[own.criterion].label}, zone {own.zone}" for own in rows]
     ax.set_yticks(range(len(rows)), labels, fontsize=7)
     ax.set_ylim(len(rows) - 0.5, -0.5)
+    ax.set(xlabel="value over limit [-]", ylabel="quantity")
     ax.set_xlim(0.0, max(1.1, 1.05 * max((own.assessed / own.limit for own in rows), default=1.0)))
-    title = "Value over limit; dots: sections, markers: estimates, hollow: limit not confirmed"
+    title = "Dots: sections, markers: estimates, hollow: limit not confirmed"
     figure.suptitle(title, fontsize=9, x=0.01, ha="left")
     ax.grid(axis="y", visible=False)
     return figure

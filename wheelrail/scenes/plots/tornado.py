@@ -33,7 +33,7 @@ def tornado(ax: Axes, labels: Sequence[str], values: Array, nominal: float, labe
         ax.barh(rows, values[order, column] - nominal, 0.7, left=nominal, color=color, alpha=0.85, label=name)
     ax.axvline(nominal, color="0.15", linewidth=1.0)
     ax.set_yticks(rows, [literal(labels[k]) for k in order.tolist()], fontsize=7)
-    ax.set_xlabel(label)
+    ax.set(xlabel=label, ylabel="parameter")
     ax.grid(axis="y", visible=False)
 
 
