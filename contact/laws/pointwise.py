@@ -180,7 +180,7 @@ def _named(kind: str, law: Any, source: Callable[[Any], str]) -> tuple[str, Call
 
 
 def _name_of(kind: str, law: object, stamp: str) -> str:
-    return f"{kind}_{type(law).__name__}_{source_digest(*GENERATORS)}_{stamp}"
+    return f"{kind}_{type(law).__name__}_{source_digest(*GENERATORS, suffixes=('.py',))}_{stamp}"
 
 
 def store_libraries(cache_folder: Path) -> None:

@@ -82,7 +82,7 @@ def test_results_count_from_where_the_vehicle_is(whole: Path) -> None:
 
 def test_report_has_speed_and_creep_forces(whole: Path, tmp_path: Path) -> None:
     page = write_report(whole, tmp_path / "report.html", view=False).read_text(encoding="utf-8")
-    assert page.count("data:image/") == 11  # of the track, nine of the run, shakedown
+    assert page.count("data:image/") == 12  # of the track, ten of the run, shakedown
     assert len(pictures_of(results(whole))) == 9
     assert "speed of vehicle and rims" in page
     figure = pictures_of(results(whole))["traction"](results(whole))

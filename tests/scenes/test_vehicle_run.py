@@ -111,7 +111,7 @@ def test_a_killed_run_resumes_to_the_same_bits(whole: Path, tmp_path: Path) -> N
 def test_results_have_wheelsets(whole: Path) -> None:
     data = results(whole)
     assert dict(data.sizes) | {"time": 0} == {
-        **{"time": 0, "body": 7, "wheelset": 4, "side": 2, "element": 16, "axis": 3, "patch": 1, "edge": 2}
+        **{"time": 0, "body": 7, "wheelset": 4, "side": 2, "element": 16, "axis": 3, "patch": 1, "edge": 2, "cause": 4}
     }
     right = data.sel(side="right")
     np.testing.assert_array_equal(right["guiding_force"], right["lateral_force"])
@@ -132,7 +132,7 @@ def test_report(whole: Path, tmp_path: Path) -> None:
     assert "Y/Q, 2 m mean, left" in page
     for text in ("wheelset_4", "Plan view of the wheelsets", "unloading of a wheel", "Manchester benchmark vehicle 1"):
         assert text in page
-    assert page.count("data:image/") == 10
+    assert page.count("data:image/") == 11
     table = body_table(results(whole))
     assert {row[0]: row[table.head.index("pitch [mrad]")] for row in table.rows if row[0].startswith("wheelset")} == {
         f"wheelset_{i}": "–"

@@ -65,11 +65,11 @@ def digest(**parts: Any) -> str:
 
 
 @cache
-def source_digest(*folders: Path) -> str:
-    """Hash of all Python files and headers in folders, at any depth, by name and content, at the first call."""
+def source_digest(*folders: Path, suffixes: tuple[str, ...] = (".py", ".hpp")) -> str:
+    """Hash of all files of some kinds in folders, at any depth, by name and content, at the first call."""
     checksum = hashlib.sha256()
     for folder in folders:
-        for file in sorted((*folder.rglob("*.py"), *folder.rglob("*.hpp"))):
+        for file in sorted(file for file in folder.rglob("*") if file.suffix in suffixes):
             checksum.update(file.name.encode())
             checksum.update(file.read_bytes())
     return checksum.hexdigest()[:12]
