@@ -15,7 +15,10 @@ BINDINGS = Path(__file__).parents[2] / "bindings"
 def wording(command: list[str], sources: Path, build: Path) -> str:
     """Command of one compiler, whatever its name, without the places of sources and build."""
     text = " ".join([str(Path(command[0]).resolve()), *command[1:]])
-    return text.replace(f"{build}/CMakeFiles/", "<build>/CMakeFiles/").replace(str(sources.parent), "<tree>")
+    places = {f"{build}/CMakeFiles/": "<build>/CMakeFiles/", sys.prefix: "<environment>", str(sources.parent): "<tree>"}
+    for place, name in places.items():  # the environment may lie in the tree
+        text = text.replace(place, name)
+    return text
 
 
 def compiled() -> dict[str, Path]:
