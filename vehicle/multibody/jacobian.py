@@ -207,13 +207,13 @@ class VehicleJacobian:
         d, wheelsets, wrenches = self.dynamics, list(states.values()), all_side_wrenches(contacts)
         motions, distances = d.motions(state), d.distances(travel, state).tolist()
         by_contact = d.structures.load_slopes(wheelsets, wrenches, tangents)
-        loads = d.structures.loads(wheelsets, wrenches)
-        for (i, anywhere, own), slopes, load in zip(d.structures.elastic, by_contact, loads, strict=True):
+        for (i, anywhere, own), slopes in zip(d.structures.elastic, by_contact, strict=True):
             structure, rows = anywhere.at(distances[i]), d.coordinates.size + np.arange(own.start, own.stop)
             self._add(result, i, rows, structure.by_loads @ slopes, rails)
             result.by_state[rows[:, None], rows] += structure.by_motions
             if not structure.varies:
                 continue
+            (load,) = structure.pairs.loads([wheelsets[i]], wrenches[[i]])
             by_distance = structure.rates_by_distance(motions[own], load)
             result.by_time[rows] += travel.speed * by_distance
             x = 6 * d.coordinates.wheelset_bodies[i] + X

@@ -36,12 +36,16 @@ inline void add_friction(const Friction& f, double x, double rate, double slider
     if (slides(spring, limit, rate)) sum.friction -= force * std::abs(rate);
 }
 
-inline void add_suspension(const Vehicle& vehicle, const std::vector<BodyState<double>>& all, const double* state,
-                           EnergyRates& sum) {
-    for (const auto& e : vehicle.elements) {
-        const auto &upper = all[e.upper].motion, &lower = all[e.lower].motion;
+// Energies and powers of all elements and springs; adds their forces and moments on the bodies, in common axes, to
+// total. Returns the power W that deflects them.
+inline double add_suspension(const Vehicle& vehicle, const std::vector<BodyState<double>>& all, const double* state,
+                             std::vector<Wrench<double>>& total, EnergyRates& sum) {
+    double deflecting = 0.0;
+    auto act = [&](int u, int l, const auto& force, const auto& on_upper, const auto& on_lower) {
+        total[u].add(force, on_upper), total[l].add(-1.0 * force, -1.0 * on_lower);
+    };
+    auto each = [&](const Element& e, const ElementState<double>& s) {
         auto internal = vehicle.internal_of<double>(e, state);
-        auto s = element_state(e, vehicle.laws, upper, lower, vehicle.bodies[e.lower].wheelset, internal);
         const auto& [series, slider, flow] = internal;
         const auto& [x, rate, turning] = std::tie(s.deflection, s.deflection_rate, s.series_rate);
         add_direction(vehicle, e.directions[0], x.x, rate.x, series.x, turning.x, flow.x, sum);
@@ -51,14 +55,18 @@ inline void add_suspension(const Vehicle& vehicle, const std::vector<BodyState<d
         add_friction(e.directions[1].friction, x.y, rate.y, slider.y, s.friction_limit.y, sum);
         add_friction(e.directions[2].friction, x.z, rate.z, slider.z, s.friction_limit.z, sum);
         sum.elastic -= e.static_load * x.z;
-    }
+        deflecting += dot(s.own_force, rate);
+    };
+    vehicle.suspension<double>(state, [&](int i, int) -> const Motion<double>& { return all[i].motion; }, act, each);
     for (const auto& spring : vehicle.springs) {
         const auto &upper = all[spring.upper].motion, &lower = all[spring.lower].motion;
         auto turned = rotation_vector(relative(lower.axes, upper.axes)),
              rate = back(lower.axes, upper.rate - lower.rate);
         sum.elastic += 0.5 * dot(turned, times(spring.stiffness, turned));
         sum.dampers -= dot(rate, times(spring.damping, rate));
+        deflecting += dot(spring_moment(spring, upper, lower), upper.rate - lower.rate);
     }
+    return deflecting;
 }
 
 // Power W that the suspension takes from the relative motion of its bodies' frames. In transitions frames of bodies
@@ -79,19 +87,8 @@ inline EnergyRates energy_rates(const Vehicle& vehicle, const Travel<double>& tr
     EnergyRates sum;
     auto all = vehicle.body_states(travel, state, sections);
     auto applied = vehicle.loads(all);
-    add_suspension(vehicle, all, state, sum);
     std::vector<Wrench<double>> total(all.size());
-    double deflecting = 0.0;
-    vehicle.suspension<double>(
-        state, [&](int i, int) -> const Motion<double>& { return all[i].motion; },
-        [&](int u, int l, const auto& force, const auto& on_upper, const auto& on_lower) {
-            total[u].add(force, on_upper), total[l].add(-1.0 * force, -1.0 * on_lower);
-        },
-        [&](const Element&, const ElementState<double>& s) { deflecting += dot(s.own_force, s.deflection_rate); });
-    for (const auto& spring : vehicle.springs) {
-        const auto &upper = all[spring.upper].motion, &lower = all[spring.lower].motion;
-        deflecting += dot(spring_moment(spring, upper, lower), upper.rate - lower.rate);
-    }
+    double deflecting = add_suspension(vehicle, all, state, total, sum);
     sum.inertial += power_of_frames(all, total, deflecting);
     for (int i = 0; i < vehicle.count(); ++i) {
         const auto& [body, at, f, c] = std::tie(vehicle.bodies[i], all[i], all[i].frame, applied[i]);
