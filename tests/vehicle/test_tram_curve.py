@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from benchmarks.vehicle_complete import TRAM
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, parse_vehicle
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.errors import SceneError
@@ -26,33 +27,6 @@ from wheelrail.vehicle.track.track import Track
 
 V, MASS = 3.0, 14400.0
 SCENE = (MANCHESTER.parent / "vehicle.toml").read_text(encoding="utf-8")
-BOGIE = """
-wheel_y = 0.75
-[speed_hold]
-body = "bogie"
-[bodies.bogie]
-mass = 12000.0
-inertia = [6000.0, 4000.0, 8000.0]
-x = 0.0
-height = 0.9
-[body_types.axle]
-mass = 1200.0
-inertia = [700.0, 80.0, 700.0]
-height = 0.46
-wheelset = true
-independent = true
-[bodies]
-front = { type = "axle", x = 0.9 }
-rear = { type = "axle", x = -0.9 }
-[element_types.primary]
-upper = "bogie"
-stiffness = [10e6, 4e6, 1.2e6]
-damping = [5e3, 5e3, 10e3]
-turn = 1.0
-[elements]
-front = { type = "primary", lower = "front", points = [[0.9, 1.0, 0.46], [0.9, -1.0, 0.46]] }
-rear = { type = "primary", lower = "rear", points = [[-0.9, 1.0, 0.46], [-0.9, -1.0, 0.46]] }
-"""
 
 
 @cache
@@ -63,7 +37,7 @@ def scene(text: str = SCENE) -> RunScene:
 
 
 def bogie(track: Track) -> VehicleDynamics:
-    return VehicleDynamics(parse_vehicle(BOGIE, "bogie.toml"), track, wheelset_contact(scene()), V)
+    return VehicleDynamics(parse_vehicle(TRAM, "bogie.toml"), track, wheelset_contact(scene()), V)
 
 
 def lateral(contacts: WheelContacts) -> float:
