@@ -1,11 +1,12 @@
 """Manchester 1 on elastic axles and co-running tracks: equilibria, modes, critical speeds and joints.
 
-python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|wheels|joint|tables ...] [--quick] [--json]
+python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|wheels|joint|energy|tables ...] [--quick]
+    [--json]
 
 A plane run against the same wagon as a vehicle file; rigid and elastic vehicles against values measured before;
 derivatives against differences and the energy balance; the gauge on rigid sleepers; independent wheels; P2 of a
-dipped joint against a linear model; runs on tables of forces beside elastic contact. --quick: a rigid
-vehicle and an elastic one, one place of the strips and one speed.
+dipped joint against a linear model; energy balances of vehicles; runs on tables of forces beside elastic contact.
+--quick: a rigid vehicle and an elastic one, one place of the strips and one speed.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from itertools import chain, starmap
+from itertools import chain, product, starmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -421,6 +422,21 @@ def joint(speeds: tuple[float, ...] = (20.0, 30.0)) -> Iterator[Check]:
         yield Check(f"joint at {speed:g} m/s: P2 - P0 over the linear model", ratio, 0.96, 0.05)
 
 
+def energy(parts: tuple[float, ...] = (1.0, 0.1)) -> Iterator[Check]:
+    """Energy balance of vehicles in three dimensions at parts of the tolerances of their scenes."""
+    runs = {"curve": ("vehicle", MANCHESTER), "class low": ("vehicle_irregular", MANCHESTER)}
+    runs["freight wagon in the curve"] = "vehicle", SCENES / "freight_wagon.toml"
+    for (name, (file, body)), part in product(runs.items(), parts):
+        own = scene(f"{file}.toml", "rigid")
+        wagon = vehicle_on(own, body)
+        contact, _ = run_contact(own, wagon.wheelsets)
+        d = VehicleDynamics(wagon, run_track(own, wagon), contact, own.vehicle.speed_profile)
+        end = own.track.length / own.vehicle.first_speed
+        steps = StepSettings(own.solver.method, part * own.solver.rtol, part * own.solver.atol)
+        run = simulate(d, (0.0, min(end, 6.0)), steps=steps)
+        yield Check(f"energy balance, {name}, {part:g} of the tolerances", energy_balance(run).error, 0.0, 1e-2 * part)
+
+
 CHECKS: dict[str, Callable[[], Iterator[Check]]] = {
     "plane": plane_wagon,
     "table": lambda: (check for bodies in BODIES for check in steady(bodies)),
@@ -428,12 +444,14 @@ CHECKS: dict[str, Callable[[], Iterator[Check]]] = {
     "gauge": gauge,
     "wheels": wheels,
     "joint": joint,
+    "energy": energy,
     "tables": lambda: starmap(Check, chain(irregular(), border())),
 }
 QUICK: dict[str, Callable[[], Iterator[Check]]] = {
     "plane": partial(plane_wagon, 1.5),
     "table": lambda: (check for bodies in ("rigid", "mass") for check in steady(bodies, 1)),
     "joint": partial(joint, (20.0,)),
+    "energy": partial(energy, (1.0,)),
     "tables": lambda: starmap(Check, irregular(0.2)),
 }
 
