@@ -23,6 +23,8 @@ ContactModel = Callable[[Pose, RigidMotion, ContactResult | None], ContactResult
 
 def _rubbing(factor: float, model: ContactModel) -> ContactModel:
     """Model with the coefficient of friction times a factor. Raises ValueError."""
+    if hasattr(model, "rubbing"):
+        return model.rubbing(factor)  # type: ignore[no-any-return]
     if not hasattr(model, "with_laws"):
         raise ValueError(f"friction along the track: not with {type(model).__name__}")
     changed: ContactModel = model.with_laws(model.laws.rubbing(factor))  # type: ignore[attr-defined]

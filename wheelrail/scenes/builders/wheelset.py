@@ -7,6 +7,7 @@ from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from wheelrail.scenes.builders.check_rail import with_check_rails
 from wheelrail.scenes.builders.laws import laws, material, standard_contact
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import Side
@@ -103,10 +104,10 @@ def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleConta
             except ValueError as error:
                 raise SceneError(f"track.friction: {error}") from None
     if not scene.is_flexible:
-        return _by_wheelset(scene, contacts), None
+        return _by_wheelset(scene, with_check_rails(scene, profiles, contacts)), None
     own = {name: id(scene.contact_of(name)) for name in wheelsets}
     moving, structures = on_structures(scene, own, profiles, contacts)
-    return _by_wheelset(scene, moving), structures
+    return _by_wheelset(scene, with_check_rails(scene, profiles, moving)), structures
 
 
 def on_structures(

@@ -207,6 +207,13 @@ PointScale = Annotated[Finite, Range(1e-6, 1e6, hint="factor of the points of a 
 PointShift = Annotated[Finite, Range(-10.0, 10.0, "m", "10 mm is 0.01")]
 Section = Annotated[int, Strict(), Range(1, 1000, whole=True)]
 Cant = Annotated[Finite, Range(-0.25, 0.25, "m", "60 mm is 0.06; positive raises the outer rail")]
+Flangeway = Annotated[Finite, Range(0.02, 0.2, "m", "41 mm is 0.041", usual=(-inf, 0.08))]
+CheckRailHeight = Annotated[Finite, Range(-0.03, 0.1, "m", "above the top of the running rail: 20 mm is 0.02")]
+EdgeRounding = Annotated[Finite, Range(1e-3, 0.05, "m", "10 mm is 0.010")]
+BackHeight = Annotated[Finite, Range(0.0, 0.05, "m", "beyond the rolling circle: 9.5 mm is 0.0095")]
+CheckRailStiffness = Annotated[
+    float, Strict(), AllowInfNan(True), OrExact(1e5, 1e12, "N/m", "50 kN/mm is 50e6", exact=inf)
+]
 Widening = Annotated[Finite, Range(0.0, 0.05, "m", "of the gauge: 15 mm is 0.015")]
 Distance = Annotated[Finite, Range(0.0, 1e5, "m", "along the track")]
 FrictionFactor = Annotated[Finite, Range(0.01, 10.0, hint="on the coefficient of friction: a third is 0.33")]

@@ -499,6 +499,21 @@ class RunScene(OnRails):
         return next((own for own in (self.contacts or {}).values() if wheelset in own.wheelsets), self)
 
     @model_validator(mode="after")
+    def _clears_check_rail(self) -> RunScene:
+        if (table := self.track.check_rail) is None:
+            return self
+        named = {f"contacts.{name}: ": own for name, own in (self.contacts or {}).items()}
+        for name, own in {"": self, **named}.items():
+            least = 0.5 * (own.track.gauge - own.wheelset.flange_back_distance)
+            if not table.flangeway > least:
+                text = f"{name}must be greater than {least:g} m, at which flanges of a centred wheelset touch"
+                raise q.reject(text, "track.check_rail.flangeway")
+            for side in table.sides:
+                if table.friction is None and not isinstance(own.side(side).friction, float):
+                    raise q.reject(f"{name}required: the contact has a friction law", "track.check_rail.friction")
+        return self
+
+    @model_validator(mode="after")
     def _samples(self) -> RunScene:
         from wheelrail.vehicle.track.speed_profile import SpeedProfile
 

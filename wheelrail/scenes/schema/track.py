@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
 from wheelrail.scenes.schema import quantities as q
-from wheelrail.scenes.schema.tables import RailsTable, SceneTable
+from wheelrail.scenes.schema.tables import RailsTable, SceneTable, Sides
 
 if TYPE_CHECKING:
     from wheelrail.scenes.schema.irregularity_file import Measurement
@@ -148,6 +148,33 @@ class IrregularityTable(SceneTable):
         return generate(end, seed=self.seed, wavelengths=self.wavelengths, start=start, fade=self.fade)
 
 
+class CheckRailTable(SceneTable):
+    """Check rails beside the running rails, or walls of grooves, that the backs of flanges touch.
+
+    flangeway: width of the gap to the gauge face, m; height: of the top above that of the running rail, m; rounding: of
+    the upper edge, m; stiffness: of the check rail on its supports, N/m; friction: coefficient, by default that of the
+    contact; back_height, back_rounding: end of the flange's plane back beyond the rolling circle and rounding there, m,
+    by default those of a profile that begins on the back.
+    """
+
+    flangeway: q.Flangeway
+    height: q.CheckRailHeight = 0.0
+    rounding: q.EdgeRounding = 0.01
+    stiffness: q.CheckRailStiffness = 40e6
+    friction: q.Friction | None = None
+    sides: Sides = ("left", "right")
+    back_height: q.BackHeight | None = None
+    back_rounding: q.EdgeRounding | None = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> CheckRailTable:
+        if len(set(self.sides)) != len(self.sides):
+            raise q.reject("must contain each side at most once", "sides")
+        if (self.back_height is None) != (self.back_rounding is None):
+            raise q.reject("back_height and back_rounding are required together", "back_rounding")
+        return self
+
+
 FrictionPoint = Annotated[tuple[q.Distance, q.FrictionFactor], Strict(False)]
 
 
@@ -156,7 +183,7 @@ class TrackLine(RailsTable):
 
     Lengths in m. slope: rise over run of the short form; transition: default shape; corner: length over which the ends
     of "clothoid" transitions and of vertical curves are rounded. friction: points [distance m, factor] on the
-    coefficient of friction, constant before and after, smooth in between.
+    coefficient of friction, constant before and after, smooth in between. check_rail: along the whole track.
     """
 
     curvature: q.Curvature | None = None
@@ -170,6 +197,7 @@ class TrackLine(RailsTable):
     curve: q.Length | None = None
     segments: Annotated[tuple[SegmentTable, ...], Strict(False), Field(min_length=1), q.AtMost(1000)] | None = None
     irregularities: IrregularityTable | None = None
+    check_rail: CheckRailTable | None = None
     friction: Annotated[tuple[FrictionPoint, ...], Strict(False), Field(min_length=1), q.AtMost(1000)] | None = None
 
     @cached_property

@@ -218,6 +218,8 @@ class Duty:
             scene = checked(data, file)
             if not isinstance(scene, RunScene):
                 raise SceneError(f'{file}: kind = "{scene.kind}": must be "run"')
+            if scene.track.check_rail is not None:
+                raise SceneError(f"{file}: track.check_rail: not allowed: flange backs do not wear")
             wearing = checked(changed(data, self.table.contact, "contact"), f"{file}, contact")
             assert isinstance(wearing, RunScene)
             if wearing.model in WITHOUT_CELLS:
