@@ -14,9 +14,10 @@ import signal
 import sys
 import tempfile
 from collections.abc import Iterator
-from functools import partial
+from functools import cache, partial
 
 import pytest
+import typer.testing
 
 LARGE = 1.5e9  # bytes of a process
 TESTS = os.path.dirname(__file__) + os.sep
@@ -28,6 +29,10 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 # all of them set their own when they are imported.
 for _logger in ("", "FFCX", "UFL"):
     logging.getLogger(_logger).addFilter(lambda record: record.levelno >= logging.ERROR)
+
+
+# Typer builds all commands anew for each command line, which takes most of the time of a short one.
+typer.testing._get_command = cache(typer.testing._get_command)
 
 
 def pytest_configure(config: pytest.Config) -> None:
