@@ -113,6 +113,12 @@ class Browser:
             self.tabs.append(Tab(json.load(answer)["webSocketDebuggerUrl"]))
         return self.tabs[-1]
 
+    def close(self, tab: Tab) -> None:
+        """End a page, which would follow its server's state for as long as the browser runs."""
+        tab.call("Page.close")
+        tab.close()
+        self.tabs.remove(tab)
+
 
 def chromium() -> str:
     """Path of the browser; raises FileNotFoundError."""

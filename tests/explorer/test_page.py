@@ -69,6 +69,7 @@ def tab(chromium: Browser, page: Any) -> Iterator[Tab]:
     move(own)
     yield own
     assert own.errors == []
+    chromium.close(own)
 
 
 def test_numbers_of_the_page_are_those_of_the_api(tab: Tab, page: Any, contact: wr.Wheelset) -> None:
@@ -193,8 +194,7 @@ def test_two_pages_show_the_same_contact(tab: Tab, chromium: Browser, page: Any)
     wait(tab, f"get('answered') === {get(other, 'answered')}")
     assert get(tab, "at_y") == 3.0
     assert get(tab, "values") == get(other, "values")
-    other.close()
-    chromium.tabs.remove(other)
+    chromium.close(other)
     move(tab, at_y=2.0)  # a page that was closed stops nobody
 
 
@@ -213,11 +213,9 @@ def test_page_closed_during_a_solve(chromium: Browser, tab: Tab, page: Any) -> N
     other = chromium.tab()
     other.open(page.url)
     other.wait("document.querySelectorAll('.wr-pressure canvas').length > 0")
-    other.value("window.trame.state.update({ at_y: 4.0, at_strips: 30, at_cells: 40 })")
-    sleep(0.5)  # of the solve
-    other.call("Page.close")
-    chromium.tabs.remove(other)
-    wait(tab, "get('at_strips') === 30")
+    other.value("window.trame.state.update({ at_y: 4.0, at_strips: 16, at_cells: 20 })")
+    wait(tab, "get('at_strips') === 16 && get('busy')")
+    chromium.close(other)
     move(tab)
     assert not get(tab, "stale")
 
@@ -288,18 +286,21 @@ def test_nobody_without_the_token_is_answered(page: Any, chromium: Browser) -> N
         assert request.getresponse().status in (403, 404)
 
 
-@pytest.mark.parametrize("how", ["close", "kill"])
-def test_nothing_is_left_running(how: str) -> None:
+def running(pid: int) -> list[psutil.Process]:
+    """The server of a page, and its processes."""
+    server = psutil.Process(pid)
+    return [server, *server.children(recursive=True)]
+
+
+def test_nothing_is_left_of_a_killed_session() -> None:
     program = "import sys, wheelrail as wr; page = wr.explore(wr.Hertz(load=1e4, strips=6, cells=8)); print(page.pid)"
-    program += "; sys.stdout.flush(); page.solution(); " + ("page.close()" if how == "close" else "sys.stdin.read()")
+    program += "; sys.stdout.flush(); page.solution(); print(); sys.stdout.flush(); sys.stdin.read()"
     started = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, stdin=subprocess.PIPE)
     assert started.stdout is not None
-    server = psutil.Process(int(started.stdout.readline()))
-    processes = [server, *server.children(recursive=True)]
-    if how == "kill":
-        sleep(1.0)
-        processes = [server, *server.children(recursive=True)]
-        os.kill(started.pid, signal.SIGKILL)
+    pid = int(started.stdout.readline())
+    started.stdout.readline()
+    processes = running(pid)
+    os.kill(started.pid, signal.SIGKILL)
     started.wait(60)
     _, alive = psutil.wait_procs(processes, timeout=20)
     assert alive == []
@@ -334,8 +335,12 @@ def test_what_cannot_be_explored_is_named(tmp_path: Path) -> None:
         wr.explore(port=99999)
 
 
-def test_pages_that_were_closed_say_so() -> None:
+def test_closed_pages_leave_nothing_and_say_so() -> None:
     page = wr.explore(wr.Hertz(load=1e4, model="standard"))
+    assert page.solution().ok
+    processes = running(page.pid)
     page.close()
+    _, alive = psutil.wait_procs(processes, timeout=20)
+    assert alive == []
     with pytest.raises(RuntimeError, match="the process of the page has ended"):
         page.solution()
