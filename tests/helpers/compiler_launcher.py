@@ -4,6 +4,8 @@ optimisation.
 
 from __future__ import annotations
 
+import json
+import os
 import shutil
 import subprocess
 import sys
@@ -36,8 +38,18 @@ def compiled() -> dict[str, Path]:
     }
 
 
+def listed_once(build: Path) -> dict[str, str]:
+    """`compiled`, asked for by the first of all compilers in a build's folder."""
+    kept = build / "compiled.json"
+    if not kept.exists():
+        own = kept.with_suffix(f".{os.getpid()}")
+        own.write_text(json.dumps({wording: str(file) for wording, file in compiled().items()}))
+        own.replace(kept)
+    return dict(json.loads(kept.read_text()))
+
+
 def main(sources: str, *command: str) -> int:
-    made = compiled().get(wording(list(command), Path(sources), Path.cwd()))
+    made = listed_once(Path.cwd()).get(wording(list(command), Path(sources), Path.cwd()))
     if made is None:
         return subprocess.run([*command, "-O0"], check=False).returncode
     shutil.copy(made, command[command.index("-o") + 1])

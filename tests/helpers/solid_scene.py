@@ -6,7 +6,7 @@ model = "full"
 laws = "paper"
 friction = 0.0
 approach = 15e-6
-surface_size = 4e-3
+surface_size = 6e-3
 upper = {radii = [0.46, 0.3], E = 210e9, nu = 0.3}
 lower = {radii = [inf, 0.3], E = 210e9, nu = 0.3}
 """

@@ -143,10 +143,10 @@ def test_resumed_runs_are_the_same_to_the_last_bit() -> None:
     dynamics, steps = VehicleDynamics(vehicle, track, contact, 45.0, structures), StepSettings("rosenbrock", 3e-3, 3e-5)
     written = list[Checkpoint]()
     every = Checkpoints(4, lambda own: written.append(deepcopy(own)))  # whose rows go on
-    whole = simulate(dynamics, (0.0, 0.3), steps=steps, recording=Recording(None, every))
+    whole = simulate(dynamics, (0.0, 0.1), steps=steps, recording=Recording(None, every))
     assert len(written) > 2
     resumed = Recording(None, replace(every, latest=written[1]))
-    again = simulate(dynamics, (0.0, 0.3), steps=steps, recording=resumed)
+    again = simulate(dynamics, (0.0, 0.1), steps=steps, recording=resumed)
     np.testing.assert_array_equal(again.time, whole.time)
     np.testing.assert_array_equal(again.state, whole.state)
     np.testing.assert_array_equal(again.force, whole.force)
@@ -161,7 +161,7 @@ def test_mirrored_runs_are_mirror_images_to_the_last_bit(kind: str) -> None:
     steps = StepSettings("rosenbrock", 3e-3, 3e-5)
     for hand in (1.0, -1.0):
         track = Track.curve(curvature=hand / 600, cant=0.06, transition=15.0, length=50.0)
-        runs.append(simulate(VehicleDynamics(vehicle, track, contact, 45.0, structures), (0.0, 0.3), steps=steps))
+        runs.append(simulate(VehicleDynamics(vehicle, track, contact, 45.0, structures), (0.0, 0.05), steps=steps))
     left, right = runs
     np.testing.assert_array_equal(right.time, left.time)
     d = left.dynamics

@@ -192,7 +192,7 @@ def test_no_label_is_cut_off(two_patches: Dataset) -> None:
     with styled():
         for (name, figure), width in product(all_figures(two_patches).items(), (800, 1280)):
             figure.set_dpi(width / figure.get_size_inches()[0])
-            FigureCanvasAgg(figure).draw()
+            figure.draw_without_rendering()
             across, high = figure.bbox.size
             for text in lines_of(figure):
                 box = text.get_window_extent()

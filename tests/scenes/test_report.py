@@ -107,7 +107,7 @@ let count = 0;
 const timer = setInterval(() => {
   const frames = [...document.querySelectorAll("iframe")];
   const canvases = frames.flatMap(frame => [...(frame.contentDocument || document).querySelectorAll("canvas")]);
-  if (++count < 150 && !(canvases.length && count > 30)) return;
+  if (++count < 60 && !(canvases.length && count > 30)) return;
   clearInterval(timer);
   const box = frames.length ? frames[0].getBoundingClientRect() : null;
   console.log("FOUND" + JSON.stringify({
@@ -139,7 +139,7 @@ def opened(page: str, folder: Path, *flags: str) -> tuple[dict[str, Any], list[s
         *(chromium, "--headless", "--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader"),
         *("--enable-unsafe-swiftshader", "--host-resolver-rules=MAP * ~NOTFOUND", "--no-first-run"),
         *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-        *("--window-size=1000,3600", "--virtual-time-budget=20000", "--enable-logging=stderr"),
+        *("--window-size=1000,3600", "--virtual-time-budget=8000", "--enable-logging=stderr"),
         *(f"--user-data-dir={folder / 'browser'}", f"--screenshot={folder / 'page.png'}"),
         *flags,
         (folder / "watched.html").as_uri(),

@@ -431,7 +431,7 @@ def test_export_of_solids_for_paraview(tmp_path: Path) -> None:
         moved = pyvista().get_reader(file).read()["displacement"]
         k = int(np.argmax(up * moved["displacement"][:, 2]))
         assert up * moved["displacement"][k, 2] > 4e-3  # mm, of an approach of 15 um
-        assert np.linalg.norm(moved.points[k]) < 4.1  # mm, a cell from the middle of the patch
+        assert np.linalg.norm(moved.points[k]) < 6.1  # mm, a cell from the middle of the patch
 
 
 def test_export_for_paraview(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
@@ -35,6 +35,7 @@ VARIED = {"share": 1.0, "steady": WIDE, "vary": {"friction": [0.2, 0.4]}}
 RAILS = ["60E1", "UIC60-benchmark"]
 DUTY = {"share": 0.6, "steady": WIDE, "both_hands": True}, {"share": 0.4, "steady": SHARP, "name": "sharp"}
 SECONDS = "seconds"
+pytestmark = pytest.mark.usefixtures("coarse_conicities")
 
 
 def wear(
@@ -47,16 +48,6 @@ def wear(
     """Results of some cases."""
     table = check_wear({**VEHICLE, "law": {"name": "usfd", "scale": 0.18}, "until": 1.0, "duty": duty, **more})
     return WearLoop(Duty(table, Path("wear.toml")), folder, executor=executor).run(resume=resume)
-
-
-@pytest.fixture(scope="module", autouse=True)
-def coarse_conicities() -> Iterator[None]:
-    """Conicities of each step from few positions: they take a third of the time, and have tests of their own."""
-    place = "wheelrail.contact.geometry.wheelset_conicity"
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(f"{place}.FINEST", 1e-3)
-        patched.setattr(f"{place}.BEND", 1.0)
-        yield
 
 
 @pytest.fixture(scope="module")

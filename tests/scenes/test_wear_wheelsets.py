@@ -30,6 +30,7 @@ FILES = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manches
 CURVE = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
 NAMES = [f"wheelset_{number}" for number in (1, 2, 3, 4)]
 ICE = {"contacts.ice": {"wheelsets": ["wheelset_2"], "friction": 0.0}}
+pytestmark = pytest.mark.usefixtures("coarse_conicities")
 ELASTIC = {"wheelset.axle": {"diameter": 0.16}, "track.pads": {}}
 
 

@@ -146,7 +146,7 @@ def test_light_wheel(bodies: Bodies, place: tuple[float, float]) -> None:
     model, fine = light_wheels(bodies)
     y, touching = place
     seen = set()
-    for depth in np.geomspace(2e-7, 2e-5, 8):
+    for depth in np.geomspace(2e-7, 2e-5, 5):
         pose, motion = wheelset(0.3, bodies).mounting.left_pair(rolling(y, touching - depth, 5e-3, 1e-3))
         result, better = model(pose, motion), fine(pose, motion)
         seen.add(levels_of(result))
