@@ -13,7 +13,7 @@ from wheelrail.contact.geometry.grid_points import SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.load_search import RTOL, LoadError, LoadSolution, Results, find_depth_for_load
+from wheelrail.contact.loading.load_search import RTOL, LoadError, LoadSolution, Results, compliant, find_depth_for_load
 from wheelrail.contact.loading.two_wheels import at_depths, find_depths_for_loads
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -87,7 +87,14 @@ def wheelset_at_state(
 
 
 def wheel_under_load(
-    contact: WheelsetContact, state: WheelsetState, side: Side, load: float, *, expected: float, rtol: float = RTOL
+    contact: WheelsetContact,
+    state: WheelsetState,
+    side: Side,
+    load: float,
+    *,
+    expected: float,
+    rtol: float = RTOL,
+    near: tuple[float, ContactResult] | None = None,
 ) -> WheelsetEquilibrium:
     """Height z at which one wheel carries a load.
 
@@ -98,10 +105,11 @@ def wheel_under_load(
         load: N.
         expected: m, estimate of the approach.
         rtol: of the load.
+        near: height m and converged result of a similar state, to begin with: half of the time.
 
     Raises LoadError.
     """
-    solution = _find_depth(contact, state, (side,), load, expected, rtol)
+    solution = _find_depth(contact, state, (side,), load, expected, rtol, near)
     return WheelsetEquilibrium(replace(state, z=-solution.depth), {side: solution.results[0]}, solution.trials)
 
 
@@ -180,13 +188,22 @@ def lifted(depths: Array, approach: Array, expected: float, penetration: Callabl
 
 
 def _find_depth(
-    contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...], load: float, expected: float, rtol: float
+    contact: WheelsetContact,
+    state: WheelsetState,
+    sides: tuple[Side, ...],
+    load: float,
+    expected: float,
+    rtol: float,
+    near: tuple[float, ContactResult] | None = None,
 ) -> LoadSolution:
     def wheels(depth: float, guess: Results | None) -> Results:
         lowered = replace(state, z=-depth)
         return tuple(contact(lowered, side, guess[i] if guess else None) for i, side in enumerate(sides))
 
-    first = _without_friction(contact, state, sides, load, expected)
+    if near:
+        first: LoadSolution | None = LoadSolution(-near[0], near[1:], np.inf, 0, compliant(load) / near[1].approach)
+    else:
+        first = _without_friction(contact, state, sides, load, expected)
     start = first.depth if first else min(_initial_depth(contact, state, side, expected) for side in sides)
     guess, slope = (first.results, first.slope) if first else (None, None)
     try:

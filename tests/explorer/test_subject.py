@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import random
 import tomllib
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 import wheelrail as wr
 from wheelrail.explorer import jobs
 from wheelrail.explorer.controls import HERTZ, WHEELSET, Control
+from wheelrail.explorer.engine import Latest
 from wheelrail.explorer.subject import CHOSEN, CLASSES, Subject
 from wheelrail.scenes.contacts.solve import solve_contact
 from wheelrail.scenes.schema.scene import RunScene, load_scene
@@ -193,3 +195,47 @@ def test_a_file_of_the_same_name_replaces_the_earlier_one() -> None:
     subject, second = subject.with_profile(wr.profile("60E1").inclined(0.01), "mine.txt")
     assert subject.files == {wheel: "mine.txt", second: "mine.txt"}
     assert subject.given.keys() == {*given, wheel, second}
+
+
+def test_moves_begin_from_the_last_place_and_settle_to_the_same_bits() -> None:
+    contact, chance, views = CONTACTS["wheelset"](), random.Random(6), ("pressure", "forces")
+    subject, y, jobs.Kept.latest = Subject.of(contact), 1.2, None
+    assert jobs.solve(subject.calls({"at_y": y}), views, True)["settled"]
+    for _ in range(12):
+        y = round(min(max(y + chance.choice((-1.5, -0.4, -0.05, 0.05, 0.3, 1.0)), -6.6), 6.6), 3)
+        calls = subject.calls({"at_y": y})
+        moved, settled = jobs.solve(calls, views, True), jobs.solve(calls, views)
+        exact = contact.solve(**calls.solve).data
+        for name, values in settled["values"].items():
+            assert values == exact[name].values.tolist()
+            assert np.allclose(moved["values"][name], values, rtol=0.0, atol=1e-6 * 57e3)
+        assert not moved["settled"]
+
+
+def test_another_view_of_the_same_contact_is_no_solve() -> None:
+    subject, jobs.Kept.latest = Subject.of(CONTACTS["hertz"]()), None
+    found = jobs.solve(subject.calls({}), ("pressure",), True)
+    solution = jobs.Kept.latest[1]  # type: ignore[unreachable]
+    assert jobs.solve(subject.calls({}), ("slip",), True)["values"] == found["values"]
+    assert jobs.Kept.latest[1] is solution
+    assert jobs.solve(subject.calls({"at_load": 30.0}), ("pressure",), True)["settled"]  # a pair begins anew
+
+
+@pytest.mark.parametrize("more", [{"roll": "solve"}, {"axle_load": 1e5, "wheel_load": None}, {"z": -1e-4}])
+def test_wheels_without_heights_of_their_own_begin_anew(more: dict[str, Any]) -> None:
+    contact = wr.Wheelset(model="condensed", bodies="half-space", strips=6, cells=8, **more)
+    subject, jobs.Kept.latest = Subject.of(contact), None
+    assert all(jobs.solve(subject.calls({"at_y": y}), (), True)["settled"] for y in (0.0, 0.1))
+
+
+def test_a_request_ends_a_pause() -> None:
+    async def asked_after(seconds: float) -> bool:
+        async def nothing() -> bool:
+            return False
+
+        latest = Latest(nothing, nothing)  # type: ignore[arg-type]
+        asyncio.get_running_loop().call_later(seconds, latest.ask)
+        return await latest.quiet(0.2)
+
+    assert asyncio.run(asked_after(1.0))
+    assert not asyncio.run(asked_after(0.01))

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.laws.friction import FrictionLaw
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.scenes.contacts.side_solution import SideSolution
+    from wheelrail.scenes.contacts.solve import Starts
 
 SECTIONS = {"profiles": keys_of(ProfilesTable), "track": keys_of(TrackTable), "wheelset": keys_of(Position)}
 OWN = [key for key in keys_of(WheelsetScene) if key not in ("kind", *SECTIONS)]
@@ -173,13 +174,24 @@ class Wheelset:
             "error_estimate": error_estimate,
             "stress": stress,
         }
-        scene, sides_solved = self.solved_sides(arguments)
-        return solved(scene, sides_solved, self.side_profiles, replaced(self.arguments, arguments, GROUPS))
+        return self.solved(arguments)
 
-    def solved_sides(self, arguments: Mapping[str, Any]) -> tuple[WheelsetScene, dict[str, SideSolution]]:
+    def solved(self, arguments: Mapping[str, Any], near: Starts | None = None) -> Solution:
+        """Solution for arguments of `solve`.
+
+        Parameters:
+            arguments: None for defaults.
+            near: of `wheelrail.scenes.contacts.solve.starts`; the last digits depend on them.
+        """
+        scene, sides = self.solved_sides(arguments, near)
+        return solved(scene, sides, self.side_profiles, replaced(self.arguments, arguments, GROUPS))
+
+    def solved_sides(
+        self, arguments: Mapping[str, Any], near: Starts | None = None
+    ) -> tuple[WheelsetScene, dict[str, SideSolution]]:
         """Scene of arguments of `solve`, and the solution of each side, without a dataset. Raises SceneError."""
         scene, threads = self._scene(arguments), one_more() if self._begun else None
-        sides = dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles, threads=threads))
+        sides = dict(solve_sides(scene, model=self._contact, profiles=self.side_profiles, threads=threads, near=near))
         self._begun = True  # the model's tables exist
         return scene, sides
 

@@ -92,20 +92,29 @@ class Latest:
 
     def __init__(self, serve: Callable[[], Awaitable[None]], idle: Callable[[], Awaitable[bool]]) -> None:
         self.serve, self.idle = serve, idle
-        self._waiting = False
+        self._asked = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
 
     def ask(self) -> None:
         """Ask for the present state, which is read when the one before is done."""
-        self._waiting = True
+        self._asked.set()
         if self._task is None or self._task.done():
             self._task = asyncio.get_running_loop().create_task(self._run())
 
+    async def quiet(self, seconds: float) -> bool:
+        """Whether nothing is asked for within some seconds; a request ends the wait."""
+        try:
+            await asyncio.wait_for(self._asked.wait(), seconds)
+        except TimeoutError:
+            return True
+        return False
+
     async def _run(self) -> None:
         more = True
-        while more or self._waiting:
-            if self._waiting:
-                self._waiting, more = False, True
+        while more or self._asked.is_set():
+            if self._asked.is_set():
+                self._asked.clear()
+                more = True
                 await self.serve()
             else:
                 more = await self.idle()

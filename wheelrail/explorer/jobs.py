@@ -32,6 +32,7 @@ class Kept:
     geometries: ClassVar[OrderedDict[str, Dataset]] = OrderedDict()
     profiles: ClassVar[dict[str, Profile]] = {}
     animations: ClassVar[dict[str, Any]] = {}  # of runs, by file
+    latest: ClassVar[tuple[Calls, Solution, bool] | None] = None  # on the page, and whether settled
 
 
 class Messages(logging.Handler):
@@ -62,12 +63,14 @@ def keep_profiles(profiles: dict[str, Profile]) -> None:
     Kept.profiles.update(profiles)
 
 
-def solve(calls: Calls, views: Sequence[str]) -> dict[str, Any]:
-    """Solution of a contact for the page: status, table, values, pictures.
+def solve(calls: Calls, views: Sequence[str], moving: bool = False) -> dict[str, Any]:
+    """Solution of a contact for the page: status, table, values, pictures, and whether it is settled.
 
     Parameters:
         calls: arguments of the contact and of its `solve`.
         views: names of the pictures.
+        moving: whether the solution before may serve as a start. The result is then not settled: it differs from that
+            of `solve` in its last digits.
 
     Raises SceneError and ValueError for arguments that are not allowed.
     """
@@ -75,9 +78,11 @@ def solve(calls: Calls, views: Sequence[str]) -> dict[str, Any]:
 
     with warnings.catch_warnings(record=True) as unusual:
         warnings.simplefilter("always", UserWarning)
-        solution = _solution(calls)
+        solution, settled = _next(calls) if moving else (_solution(calls), True)
+    Kept.latest = calls, solution, settled
     remarks = [str(warning.message) for warning in unusual if issubclass(warning.category, UserWarning)]
-    return _described(solution, panels(solution.data, views) if solution.ok else [], remarks)
+    described = _described(solution, panels(solution.data, views) if solution.ok else [], remarks)
+    return {**described, "settled": settled}
 
 
 def stress(calls: Calls) -> dict[str, Any]:
@@ -145,14 +150,37 @@ def geometry(calls: Calls) -> str:
     return as_text(geometry_panels(Kept.geometries[key], calls.solve.get("y", 0.0)))
 
 
+def _next(calls: Calls) -> tuple[Solution, bool]:
+    """Solution that begins, with wheels at heights of their own, from that on the page, and whether it is settled."""
+    from wheelrail.api.wheelset import Wheelset
+    from wheelrail.scenes.contacts.solve import starts
+    from wheelrail.scenes.schema.scene import WheelsetScene
+
+    latest, contact = Kept.latest, _contact(calls)
+    if latest and latest[0] == calls:  # another view
+        return latest[1:]
+    if latest and latest[0].key == calls.key and isinstance(contact, Wheelset):
+        origin = latest[1].origin
+        assert origin is not None
+        assert isinstance(origin.scene, WheelsetScene)
+        near = starts(origin.scene, origin.sides)
+        if near and (solution := contact.solved(calls.solve, near)).ok:
+            return solution, False
+    return _solution(calls), True
+
+
 def _solution(calls: Calls) -> Solution:
+    return _contact(calls).solve(**calls.solve)
+
+
+def _contact(calls: Calls) -> Wheelset | Hertz:
     from wheelrail.explorer.subject import CLASSES, with_profiles
 
     if calls.key not in Kept.contacts:
         Kept.contacts[calls.key] = CLASSES[calls.kind](**with_profiles(calls.contact, Kept.profiles))
         _forget(Kept.contacts)
     Kept.contacts.move_to_end(calls.key)
-    return Kept.contacts[calls.key].solve(**calls.solve)
+    return Kept.contacts[calls.key]
 
 
 def _forget(kept: OrderedDict[str, Any]) -> None:

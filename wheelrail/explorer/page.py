@@ -18,7 +18,7 @@ from wheelrail.explorer.trace import Trace
 from wheelrail.explorer.views import BESIDE, DRAWN, as_text
 
 LARGEST = 10_000_000  # bytes of a dropped file
-PAUSE, SHOWN_AFTER = 0.3, 0.4  # s: until work that nobody asked for begins; until a text says that something is solved
+PAUSE, SHOWN_AFTER = 0.3, 0.4  # s: until a place counts as one of rest; until a text says that something is solved
 FIRST_VIEWS = ("closeup", "pressure", "forces")
 ON_REQUEST: dict[str, Callable[..., Any]] = {"stress": jobs.stress, "bodies": jobs.bodies}
 
@@ -39,6 +39,7 @@ class Page:
         self.calls: Calls | None = None
         self._requested: Calls | None = None  # of the stress or the bodies on the page
         self._job = ""  # text of the present job
+        self._settled = True  # whether the last digits on the page are those of a solve without an earlier one
         self.trace: Trace | None = None
         self._traced = self._surveyed = ""  # what the trace and the contact geometry on the page are of
         self.worker.profiles |= subject.given
@@ -161,18 +162,22 @@ class Page:
         """Ask for a solve with the present values."""
         self.latest.ask()
 
-    async def _serve(self) -> None:
-        """Solve with the present values and show the result, or why there is none."""
-        asked = self.state.asked
+    async def _serve(self, moving: bool = True) -> None:
+        """Solve with the present values and show the result, or why there is none.
+
+        Parameters:
+            moving: whether further moves are expected, so that a near solution may serve as a start.
+        """
+        asked, self._settled = self.state.asked, True
         try:
             calls = self.present()
             views = [view for view in DRAWN if self.state[f"view_{view}"]]
-            found = await self._timed("solving", self.worker.run(jobs.solve, calls, views))
-            shown = self._shown(calls, found)
+            found = await self._timed("solving", self.worker.run(jobs.solve, calls, views, moving))
+            shown, self._settled = self._shown(calls, found), found["settled"]
         except Exception as error:
             shown = {"stale": True, "status": "", "reason": said(error)}
         with self.state:
-            self.state.update({**shown, "busy": "", "answered": asked})
+            self.state.update({**shown, "busy": "", **({"answered": asked} if self._settled else {})})
 
     def _shown(self, calls: Calls, found: dict[str, Any]) -> dict[str, Any]:
         """State after a solve; a failed one leaves the last pictures, greyed."""
@@ -185,12 +190,17 @@ class Page:
         return {**texts, "stale": False, "reason": "", "panels": found["panels"]}
 
     async def _idle(self) -> bool:
-        """One step of the contact geometry or of the trace; returns whether there is more to do."""
+        """Last digits, or one step of the contact geometry or of the trace; returns whether there is more to do."""
+        if not self._settled:
+            if await self.latest.quiet(PAUSE):
+                await self._serve(moving=False)
+            return True
         if self.calls is None or self.state.stale:
             return False
         try:
             if self.state.view_geometry and self._geometry_key not in ("", self._surveyed):
-                await asyncio.sleep(PAUSE)
+                if not await self.latest.quiet(PAUSE):
+                    return True
                 self._surveyed = self._geometry_key
                 drawn = await self._timed("contact geometry", self.worker.run(jobs.geometry, self.calls))
                 with self.state:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -93,7 +94,7 @@ def outlines(sides: Sequence[str], profiles: SideProfiles) -> dict[str, Any]:
     """
     variables: dict[str, Any] = {}
     for bodies in zip(*(profiles[side] for side in sides if profiles), strict=True):
-        points = [profile.point(profile.samples(OUTLINE)) for profile in bodies]
+        points = [_outline(profile) for profile in bodies]
         kind, values = bodies[0].kind, points[0]
         dims: tuple[str, ...] = (f"{kind}_point", "plane")
         if any(profile is not bodies[0] for profile in bodies):
@@ -105,3 +106,11 @@ def outlines(sides: Sequence[str], profiles: SideProfiles) -> dict[str, Any]:
         own = Quantity(dims, "m", f"profile of the {kind} {names}: y to the field side, z up")
         variables |= filled({f"{kind}_profile": own}, {f"{kind}_profile": values})
     return variables
+
+
+@lru_cache(maxsize=8)
+def _outline(profile: Profile) -> Array:
+    """Stored points (n, 2) m of a profile."""
+    points = profile.point(profile.samples(OUTLINE))
+    points.setflags(write=False)
+    return points

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from wheelrail.contact.results.result import ContactResult
 
     TimedSolve = tuple[tuple[str, ...], WheelsetEquilibrium | LoadError, float]
+
+    Starts = Mapping[str, tuple[float, ContactResult]]
 
 ReportProgress = Callable[[str], None]
 
@@ -99,6 +101,7 @@ def solve_sides(
     model: ContactModel | WheelsetContact | None = None,
     profiles: SideProfiles | None = None,
     threads: Threads | None = None,
+    near: Starts | None = None,
     report_progress: ReportProgress = lambda _: None,
 ) -> Iterator[tuple[str, SideSolution]]:
     """Solve the sides of a scene one after the other; the only side of a Hertz pair is "contact".
@@ -109,11 +112,26 @@ def solve_sides(
             the scene by default.
         profiles: of wheel and inclined rail by side; those of the scene by default.
         threads: that solve both sides at the same time, with a model that has solved before.
+        near: of `starts`; the results then differ in their last digits.
         report_progress: called with a text at every stage.
     """
     if isinstance(scene, HertzScene):
         return _hertz(scene, cast("ContactModel | None", model), report_progress)
-    return _wheelset(scene, cast("WheelsetContact | None", model), profiles, threads, report_progress)
+    return _wheelset(scene, cast("WheelsetContact | None", model), profiles, threads, near or {}, report_progress)
+
+
+def starts(scene: WheelsetScene, sides: Mapping[str, SideSolution]) -> Starts:
+    """Heights m and results by side from which solves of other positions may begin, of wheels at heights of their own.
+
+    Parameters:
+        scene: that was solved.
+        sides: its solution.
+    """
+    position = scene.wheelset
+    if scene.is_flexible or position.roll == "solve" or position.z is not None or position.axle_load is not None:
+        return {}
+    touching = {side: own for side, own in sides.items() if own.result.status == "converged"}
+    return {side: (own.z, own.result) for side, own in touching.items() if own.result.warm_start is not None}
 
 
 def _hertz(
@@ -155,6 +173,7 @@ def _wheelset(
     contact: WheelsetContact | None,
     profiles: SideProfiles | None,
     threads: Threads | None,
+    near: Starts,
     report_progress: ReportProgress,
 ) -> Iterator[tuple[str, SideSolution]]:
     if contact is None:
@@ -166,7 +185,7 @@ def _wheelset(
     each: Callable[..., Iterable[TimedSolve]] = starmap
     if threads and contact.concurrent and not contact.together:
         each = threads.each
-    for sides, equilibrium, seconds in each(partial(_timed, report_progress), _equilibria(scene, contact)):
+    for sides, equilibrium, seconds in each(partial(_timed, report_progress), _equilibria(scene, contact, near=near)):
         if isinstance(equilibrium, Exception):
             yield from ((side, SideSolution.failed(str(equilibrium))) for side in sides)
             continue
@@ -246,10 +265,13 @@ def _moved(model: ContactModel, pair: MovedPair, side: Side) -> ContactResult:
 
 
 def _equilibria(
-    scene: WheelsetScene, contact: WheelsetContact, rtol: float | None = None
+    scene: WheelsetScene,
+    contact: WheelsetContact,
+    rtol: float | None = None,
+    near: Starts | None = None,
 ) -> Iterator[tuple[tuple[str, ...], Callable[[], WheelsetEquilibrium]]]:
     """Solves of a wheelset scene: sides, and the function that computes their static equilibrium within rtol of the
-    load, by default `wheelrail.contact.loading.load_search.RTOL`.
+    load, by default `wheelrail.contact.loading.load_search.RTOL`; near as for `solve_sides`.
     """
     from wheelrail.contact.loading.load_search import RTOL
     from wheelrail.contact.loading.wheelset import (
@@ -275,7 +297,11 @@ def _equilibria(
             yield scene.sides, lambda: wheels_under_load(contact, state, load, expected=expected, rtol=rtol)
             return
         for side in scene.sides:
-            yield (side,), partial(wheel_under_load, contact, state, side, load, expected=expected, rtol=rtol)
+            start = (near or {}).get(side)
+            yield (
+                (side,),
+                partial(wheel_under_load, contact, state, side, load, expected=expected, rtol=rtol, near=start),
+            )
 
 
 @contextmanager
