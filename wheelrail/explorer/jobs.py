@@ -151,7 +151,7 @@ def geometry(calls: Calls) -> str:
 
 
 def _next(calls: Calls) -> tuple[Solution, bool]:
-    """Solution that begins, with wheels at heights of their own, from that on the page, and whether it is settled."""
+    """Solution begun, for wheels at heights of their own, from the page's present one, and whether settled."""
     from wheelrail.api.wheelset import Wheelset
     from wheelrail.scenes.contacts.solve import starts
     from wheelrail.scenes.schema.scene import WheelsetScene
