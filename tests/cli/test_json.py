@@ -56,6 +56,7 @@ COMMANDS = {
     "equilibrium": (VEHICLE, *OF_VEHICLE),
     "response": (VEHICLE, *OF_VEHICLE, "--count", "3"),
     "twist": (VEHICLE, *OF_VEHICLE[:2], "--body", "1e-4", "--bogie", "1e-4"),
+    "wind": (VEHICLE, *OF_VEHICLE, "--coefficients", "DIR/wind.csv", "--csv", "DIR/curve.csv"),
     "critical": (VEHICLE, *OF_VEHICLE[:2], "--from", "20", "--to", "21"),
     "hunting": (HUNTING, *OF_VEHICLE, "--longest", "1", "--fold", "1"),
     "evaluate": ("DIR/run",),
@@ -79,6 +80,7 @@ TABLES = {
     "equilibrium": ["wheelsets", "bodies", "elements"],
     "response": ["points", "amplitudes"],
     "twist": ["wheelsets"],
+    "wind": ["points"],
     "hunting": ["cycles"],
     "evaluate": ["wheelsets"],
     "assess": ["zones"],
@@ -96,6 +98,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     (path / "wheelset.toml").write_text(STANDARD)
     (path / "hertz.toml").write_text((SCENES / "hertz.toml").read_text())
     (path / "study.toml").write_text(STUDY)
+    (path / "wind.csv").write_text("yaw, cFy, cMx\n0, 0, 0\n90, 6, 4\n")
     (path / "wear.toml").write_text(WEAR)
     short = {"tangent = 50.0": "tangent = 11.0", "transition_length = 100.0": "transition_length = 10.0"}
     short |= {"curve = 300.0": "curve = 1.0", "tangent = 30.0": "tangent = 11.0"}

@@ -96,6 +96,7 @@ MAY_IMPORT |= {
     "vehicle.multibody": _DRIVEN | {"bindings"},
     "vehicle.steady": _DRIVEN | {"vehicle.multibody"},
     "vehicle.simulation": _DRIVEN | {"vehicle.multibody", "vehicle.steady"},
+    "vehicle.crosswind": _DRIVEN | {"vehicle.evaluation", "vehicle.multibody", "vehicle.simulation", "vehicle.steady"},
 }
 _BELOW = {name for name in MAY_IMPORT if name.split(".")[0] != "forms"}
 _SCENES = (

@@ -121,9 +121,11 @@ def largest_wheel_load(speed: float) -> float:
     return next((limit for bound, limit in bounds if 3.6 * speed <= bound), 160e3)
 
 
-def low_pass(signal: Array) -> Array:
-    """Signal (n,), sampled every 2 ms, after the low-pass filter; it starts at the steady state of the first value."""
-    return _filtered(signal, CUTOFF, "lowpass")
+def low_pass(signal: Array, cutoff: float = CUTOFF) -> Array:
+    """Signal (n,), sampled every 2 ms, after the low-pass filter of a corner frequency, Hz; it starts at the steady
+    state of the first value.
+    """
+    return _filtered(signal, cutoff, "lowpass")
 
 
 def band_pass(signal: Array) -> Array:

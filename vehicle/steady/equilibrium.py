@@ -109,7 +109,7 @@ def equilibria(dynamics: VehicleDynamics, speeds: Iterable[float]) -> list[Equil
     return found
 
 
-def on_irregular_rails(
+def equilibrium_near(
     dynamics: VehicleDynamics,
     time: float,
     guess: Array,
@@ -117,16 +117,17 @@ def on_irregular_rails(
     tolerance: float = 1e-6,
     acceptable: float = 1e-3,
 ) -> Equilibrium:
-    """State without acceleration where the rails have irregularities, which do not change while the vehicle stands.
+    """State without acceleration near a known one, by Newton's method alone.
 
     Parameters:
-        dynamics: on a track with irregularities, at a speed so low that their slopes do not matter.
+        dynamics: with constant loads, on track of constant curvature, cant and gradient; or on irregular rails at a
+            speed so low that their slopes do not matter, which do not change while the vehicle stands.
         time: s.
         guess: state (n,), near the result.
         near: contacts at the guess.
         tolerance, acceptable: as for `equilibrium`.
 
-    Raises EquilibriumError, and StepFailure as `equilibrium`.
+    Raises EquilibriumError, StepFailure.
     """
     return _newton(SteadyProblem(dynamics, time), guess, near, tolerance, acceptable, 60)
 

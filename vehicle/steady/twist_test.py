@@ -16,7 +16,7 @@ from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.multibody.coordinates import ROLL
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts
 from wheelrail.vehicle.multibody.vehicle import Vehicle
-from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium, on_irregular_rails
+from wheelrail.vehicle.steady.equilibrium import EquilibriumError, equilibrium, equilibrium_near
 from wheelrail.vehicle.track.irregularity import Irregularities
 from wheelrail.vehicle.track.track import Track
 
@@ -105,7 +105,7 @@ def twisted(dynamics: VehicleDynamics, levels: Array) -> Twisted:
                 guess[d.coordinates.index(name, ROLL)] -= step * level / (2.0 * vehicle.wheel_y)
         irregular = _irregularities(vehicle, (share + step) * levels, place)
         try:
-            at = on_irregular_rails(replace(d, track=Track(irregularities=irregular)), place / SPEED, guess, contacts)
+            at = equilibrium_near(replace(d, track=Track(irregularities=irregular)), place / SPEED, guess, contacts)
         except (EquilibriumError, StepFailure):
             if step < SMALLEST * largest:
                 raise

@@ -179,8 +179,7 @@ def run(
     """
     from rich.console import Console
 
-    from wheelrail.scenes.datasets.run_file import read_run
-    from wheelrail.scenes.runs.files import RESULTS
+    from wheelrail.scenes.datasets.run_file import RESULTS, read_run
     from wheelrail.scenes.runs.run import run_scene, simulate_scene
     from wheelrail.scenes.schema.edits import changed, without
     from wheelrail.scenes.schema.errors import SceneError

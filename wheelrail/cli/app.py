@@ -11,8 +11,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
-from wheelrail.cli.output import Output
+from wheelrail.cli.output import FAILED, INTERRUPTED, Output
 from wheelrail.support.terminal import set_verbosity
 
 QUIET = "Print results and errors only: no progress, no messages."

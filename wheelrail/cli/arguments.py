@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from wheelrail.cli.exit_codes import BAD_INPUT, FAILED
 from wheelrail.cli.mpi_launcher import several
+from wheelrail.cli.output import BAD_INPUT, FAILED
 
 if TYPE_CHECKING:
     from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene

@@ -10,9 +10,8 @@ import typer
 
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import SceneFile, check_picture, load, reject_mpi, rejected
-from wheelrail.cli.exit_codes import FAILED
 from wheelrail.cli.mpi_launcher import first
-from wheelrail.cli.output import print_results
+from wheelrail.cli.output import FAILED, print_results
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
 if TYPE_CHECKING:

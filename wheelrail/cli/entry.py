@@ -6,7 +6,7 @@ import os
 import sys
 from io import TextIOWrapper
 
-from wheelrail.cli.exit_codes import BAD_INPUT, INTERRUPTED
+from wheelrail.cli.output import BAD_INPUT, INTERRUPTED
 
 
 def main() -> None:

@@ -67,8 +67,7 @@ def export(
 def _csv(results: Path, file: Path) -> None:
     check_ending("--csv", file, (".csv",))
     from wheelrail.scenes.datasets.run_csv import write_csv
-    from wheelrail.scenes.datasets.run_file import read_run
-    from wheelrail.scenes.runs.files import RESULTS
+    from wheelrail.scenes.datasets.run_file import RESULTS, read_run
 
     with error_lines("", f"{file}: "), progress_console().status("writing"):
         write_csv(read_run(results / RESULTS if results.is_dir() else results), file)

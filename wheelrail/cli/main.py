@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from wheelrail.cli import contact, explore, export, run, study, table, templates, view  # noqa: F401 - each registers its commands, in this order
+from wheelrail.cli import contact, explore, export, run, study, table, templates, vehicle_tests, view  # noqa: F401 - each registers its commands, in this order
 from wheelrail.cli.app import app
 from wheelrail.cli.mpi_launcher import on_all_ranks
 

@@ -1,4 +1,4 @@
-"""Standard output of the commands: results as tables for readers, or one JSON object for programs."""
+"""Standard output of the commands, tables for readers or one JSON object for programs, and their exit codes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from rich.console import Console
 
     from wheelrail.scenes.datasets.result_table import Results, TextTable
+
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit codes; 0 is success
 
 
 class Output:

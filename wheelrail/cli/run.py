@@ -9,8 +9,7 @@ import typer
 
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import SceneFile, check_picture, error_lines, load_run, rejected, results_folder
-from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
-from wheelrail.cli.output import print_results
+from wheelrail.cli.output import FAILED, INTERRUPTED, print_results
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
 Speeds = Annotated[
@@ -190,29 +189,6 @@ def response(
         with error_lines("", f"{picture}: "):
             draw_response(found.frequency, points, at, picture)
     print_results(response_results(found, points, at))
-
-
-@app.command()
-def twist(
-    scene: SceneFile,
-    vehicle: NeededVehicleFile,
-    body: Annotated[
-        float | None, typer.Option("--body", metavar="G", help="Twist between the bogies; default: of EN 14363.")
-    ] = None,
-    bogie: Annotated[
-        float | None, typer.Option("--bogie", metavar="G", help="Twist of the first bogie; default: of EN 14363.")
-    ] = None,
-) -> None:
-    """Wheel unloading of a vehicle at walking pace on track with twisted body, twisted bogie, and both."""
-    checked = load_run(scene)
-    for name, value in (("--body", body), ("--bogie", bogie)):
-        if value is not None and not -0.02 <= value <= 0.02:
-            raise rejected(f"{name} {value:g}: must be -0.02 to 0.02 (3 per mille is 0.003)")
-    from wheelrail.scenes.runs.twist import twist_results, twists_of
-
-    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("equilibria on twisted track"):
-        found = twists_of(checked, vehicle, body, bogie)
-    print_results(twist_results(found))
 
 
 @app.command()

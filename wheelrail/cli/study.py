@@ -9,8 +9,7 @@ import typer
 
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import error_lines, results_folder
-from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
-from wheelrail.cli.output import print_results
+from wheelrail.cli.output import FAILED, INTERRUPTED, print_results
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
 Scheduler = Annotated[

@@ -10,8 +10,7 @@ import typer
 
 from wheelrail.cli.app import app
 from wheelrail.cli.arguments import check_ending, check_picture, error_lines, load, reject_mpi, rejected
-from wheelrail.cli.exit_codes import FAILED, INTERRUPTED
-from wheelrail.cli.output import print_results
+from wheelrail.cli.output import FAILED, INTERRUPTED, print_results
 from wheelrail.support.terminal import stdout_for_results
 
 Range = tuple[float, float]

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wheelrail.scenes.assessment.signals import signals_of
-from wheelrail.scenes.datasets.run_file import read_run
-from wheelrail.scenes.runs.files import RESULTS
+from wheelrail.scenes.datasets.run_file import RESULTS, read_run
 from wheelrail.scenes.runs.safety_table import Safety, safety_of_data
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.support.arrays import Array

@@ -108,16 +108,19 @@ def check_fit(scene: RunScene, vehicle: Vehicle, file: Path) -> None:
         raise SceneError(f"{file}: bodies.{vehicle.wheelsets[0]}.height = {vehicle.radius:g}: {text}")
 
 
+def car_bodies(vehicle: Vehicle) -> list[str]:
+    """Names of the bodies at the top of the vehicle that move freely."""
+    uppers, lowers = ({getattr(own, end) for own in vehicle.elements.values()} for end in ("upper", "lower"))
+    return [n for n, b in vehicle.bodies.items() if n in uppers - lowers and not b.held and n not in vehicle.wheelsets]
+
+
 def floor_points(vehicle: Vehicle, floor: float) -> dict[str, tuple[str, tuple[float, float, float]]]:
     """Body and place m of points on the floor of car bodies, by name: above the first and the last body that carries
     one, and in the middle between.
     """
-    carried = {element.lower for element in vehicle.elements.values()}
     found = dict[str, tuple[str, tuple[float, float, float]]]()
-    for name, body in vehicle.bodies.items():
+    for name in car_bodies(vehicle):
         below = [own.lower for own in vehicle.elements.values() if own.upper == name]
-        if name in vehicle.wheelsets or name in carried or body.held or not below:
-            continue
         ends = sorted({vehicle.bodies[lower].x for lower in below})
         middle = 0.5 * (ends[0] + ends[-1])
         places = {"front": ends[-1], "middle": middle, "rear": ends[0]} if len(ends) > 1 else {"middle": middle}

@@ -1,4 +1,4 @@
-"""Reader of run results, including files of earlier versions."""
+"""Reader of run results, including files of earlier versions; names of the files of a run."""
 
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from wheelrail.vehicle.multibody.plane_wagon import COORDINATES, HELD, WHEELSET,
 if TYPE_CHECKING:
     from xarray import Dataset
 
+RESULTS, CHECKPOINTS = "run.nc", "run.checkpoints"  # files that a run writes
 FARTHEST = 1e7  # m along the track
 FORM = 2  # of results, their attribute; those of the plane wagon without it have no bodies, wheelsets and elements
 ATTRIBUTES: dict[str, type] = {

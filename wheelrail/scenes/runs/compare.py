@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail.scenes.datasets.result_table import Results, json_text
-from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
+from wheelrail.scenes.datasets.run_file import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.resume import ended
 from wheelrail.scenes.runs.run import run_scene
 from wheelrail.scenes.schema.errors import RunFailed, SceneError

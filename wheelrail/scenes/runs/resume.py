@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.builders.vehicle_file import vehicle_text
-from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
+from wheelrail.scenes.datasets.run_file import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.used_keys import used_keys
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene

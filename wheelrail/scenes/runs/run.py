@@ -17,7 +17,7 @@ from wheelrail.scenes.builders.vehicle_file import vehicle_text
 from wheelrail.scenes.builders.wheelset import run_contact, stages_contact
 from wheelrail.scenes.datasets.input_files import FILES, packed
 from wheelrail.scenes.datasets.result_table import Results
-from wheelrail.scenes.runs.files import CHECKPOINTS, RESULTS
+from wheelrail.scenes.datasets.run_file import CHECKPOINTS, RESULTS
 from wheelrail.scenes.runs.progress import costs, progress_bar
 from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.errors import SceneError

@@ -11,9 +11,8 @@ import numpy as np
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.scenes.datasets.result_table import Results, TextTable
-from wheelrail.scenes.datasets.run_file import read_run
+from wheelrail.scenes.datasets.run_file import RESULTS, read_run
 from wheelrail.scenes.quantities import SAFETY
-from wheelrail.scenes.runs.files import RESULTS
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.vehicle.evaluation.running_safety import WINDOW, Assessed, WheelsetSafety, wheelset_safety
 

@@ -144,7 +144,7 @@ def _run(scene: RunScene, folder: Path, job: Job) -> dict[str, Any]:
     from rich.console import Console
 
     from wheelrail.scenes.datasets.netcdf import read
-    from wheelrail.scenes.runs.files import RESULTS
+    from wheelrail.scenes.datasets.run_file import RESULTS
     from wheelrail.scenes.runs.run import run_scene
     from wheelrail.scenes.studies.quantities import histories_of, of_run
 
