@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from scipy.optimize import minimize
 
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.multibody.vehicle import Vehicle
@@ -61,10 +60,21 @@ class PlanarVehicle:
         return float(total - sum(force @ point(name, *where) for name, where, force in self.forces))
 
     def rest(self) -> dict[str, Array]:
-        """y, z, roll of the bodies without wheelset, in equilibrium."""
-        scale = np.tile([1e-2, 1e-3, 1e-2], len(self.free))
-        found = minimize(lambda x: self.energy(scale * x) / 1e3, np.zeros(len(scale)), method="BFGS", tol=1e-9)
-        return dict(zip(self.free, (scale * found.x).reshape(-1, 3), strict=True))
+        """y, z, roll of the free bodies in equilibrium, by Newton's method on differences of the energy."""
+        count = 3 * len(self.free)
+        steps, q = 1e-4 * np.eye(count), np.zeros(count)
+        for _ in range(30):
+            middle = self.energy(q)
+            ahead, behind = (np.array([self.energy(q + sign * own) for own in steps]) for sign in (1.0, -1.0))
+            both = np.array([[self.energy(q + own + other) for other in steps] for own in steps])
+            slope = 0.5 * (ahead - behind)
+            curvature = 0.5 * (both + both.T) - ahead[:, None] - ahead + middle
+            np.fill_diagonal(curvature, ahead + behind - 2.0 * middle)
+            change = -1e-4 * np.linalg.solve(curvature, slope)
+            q += change
+            if np.abs(change).max() < 1e-8:
+                return dict(zip(self.free, q.reshape(-1, 3), strict=True))
+        raise AssertionError("no equilibrium")
 
 
 def turned(roll: float) -> Array:

@@ -1,4 +1,4 @@
-"""Commands for tests of vehicles: on twisted track, in wind."""
+"""Commands for tests of vehicles: on twisted and canted track, in wind."""
 
 from __future__ import annotations
 
@@ -30,11 +30,29 @@ def twist(
     for name, value in (("--body", body), ("--bogie", bogie)):
         if value is not None and not -0.02 <= value <= 0.02:
             raise rejected(f"{name} {value:g}: must be -0.02 to 0.02 (3 per mille is 0.003)")
-    from wheelrail.scenes.runs.twist import twist_results, twists_of
+    from wheelrail.scenes.runs.quasistatic import twist_results, twists_of
 
     with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("equilibria on twisted track"):
         found = twists_of(checked, vehicle, body, bogie)
     print_results(twist_results(found))
+
+
+@app.command()
+def sway(
+    scene: SceneFile,
+    vehicle: NeededVehicleFile,
+    cant: Annotated[
+        list[float] | None,
+        typer.Option("--cant", metavar="U", min=1e-3, max=0.3, help="Cant in m, repeatable; default: 0.05, 0.1, 0.15."),
+    ] = None,
+) -> None:
+    """Coefficient of flexibility: roll of the bodies of a standing vehicle relative to canted track over its angle."""
+    checked = load_run(scene)
+    from wheelrail.scenes.runs.quasistatic import sway_results, sways_of
+
+    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("equilibria on canted track"):
+        found = sways_of(checked, vehicle, sorted(cant or (0.05, 0.1, 0.15)))
+    print_results(sway_results(found))
 
 
 @app.command()

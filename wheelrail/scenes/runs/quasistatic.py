@@ -1,8 +1,9 @@
-"""Wheel unloading of a vehicle on twisted track, from a scene of a run."""
+"""Wheel unloading of a vehicle on twisted track, and sway on canted track, from a scene of a run."""
 
 from __future__ import annotations
 
-from operator import itemgetter
+from collections.abc import Sequence
+from operator import attrgetter, itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,6 +14,7 @@ from wheelrail.vehicle.steady.twist_test import LIMIT
 
 if TYPE_CHECKING:
     from wheelrail.scenes.schema.scene import RunScene
+    from wheelrail.vehicle.steady.sway import Sway
     from wheelrail.vehicle.steady.twist_test import Twisted
 
 
@@ -74,6 +76,40 @@ def twist_results(twists: list[Twist]) -> Results:
     units = {"body_twist": "1", "bogie_twist": "1", "largest_unloading": "1", "limit": "1"}
     table = ResultTable("wheelsets", "Wheels on twisted track at walking pace", COLUMNS, rows, note=note)
     return Results("twist", ["\n".join(lines), table], {"tracks": facts, "limit": LIMIT}, units)
+
+
+def sways_of(scene: RunScene, file: Path, cants: Sequence[float]) -> list[Sway]:
+    """Attitudes of the car bodies and of those that carry them on canted track.
+
+    Parameters:
+        scene: of a run.
+        file: vehicle file.
+        cants: m.
+
+    Raises RunFailed without an equilibrium, SceneError.
+    """
+    from wheelrail.vehicle.steady.sway import sway
+
+    dynamics = vehicle_dynamics(scene, file, scene.vehicle.first_speed)
+    vehicle = dynamics.vehicle
+    bodies = [name for name in vehicle.names if name not in vehicle.wheelsets]
+    with failures_as_run_failed():
+        return sway(dynamics, cants, bodies)
+
+
+def sway_results(sways: Sequence[Sway]) -> Results:
+    """Table of all bodies at every cant."""
+    columns = [
+        Column("cant", "cant", attrgetter("cant"), "mm", 1),
+        Column("body", "body", attrgetter("body")),
+        Column("angle", "angle of the track", attrgetter("angle"), "mrad", 2),
+        Column("roll", "roll to the lower side", attrgetter("roll"), "mrad", 3),
+        Column("coefficient", "coefficient", attrgetter("coefficient"), "1", 4),
+        Column("shift", "shift of the centre of mass", attrgetter("shift"), "mm", 2),
+        Column("centre", "roll centre above top of rail", attrgetter("centre"), "m", 3),
+    ]
+    title = "Sway on canted track: roll of the bodies relative to the track over its angle"
+    return Results("sway", [ResultTable("bodies", title, columns, sways)])
 
 
 COLUMNS = tuple(
