@@ -79,7 +79,7 @@ def twist_results(twists: list[Twist]) -> Results:
 
 
 def sways_of(scene: RunScene, file: Path, cants: Sequence[float]) -> list[Sway]:
-    """Attitudes of the car bodies and of those that carry them on canted track.
+    """Attitudes of all bodies without wheels on canted track.
 
     Parameters:
         scene: of a run.
