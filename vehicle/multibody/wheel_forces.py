@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
+from math import inf, pi
 
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.results.result import ContactResult, Patch
@@ -13,6 +14,13 @@ from wheelrail.vehicle.multibody.coordinates import YAW, X, Y
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts
 
 OUTWARDS = {"left": -1.0, "right": 1.0}  # sign of the lateral force on the wheel that pushes the rail outwards
+
+STEEP = pi / 3  # rad: contacts that face the field side, steeper than any on a tread, are those of check rails
+
+
+def check_rail_force(patches: Sequence[Patch], side: Side) -> float:
+    """Normal force N of the check rail on the flange's back of a wheel; patches: of the wheel."""
+    return sum(patch.normal_force for patch in patches if OUTWARDS[side] * patch.contact_angle > STEEP)
 
 
 @dataclass(frozen=True)

@@ -63,6 +63,8 @@ READERS: dict[str, tuple[Any, ...]] = {
     "patch_surface_fatigue_index": ("surface fatigue index (above 0: ratcheting)", "1"),
     "element_deflection": ("deflection", "mm", 2),
     "element_force": ("force", "kN", 2),
+    "check_rail_force": ("check rail: normal force", "kN", 2),
+    "check_rail_power": ("check rail: frictional power", "kW", 2),
     "guiding_force": ("guiding force", "kN", 2, "Y", "positive outwards"),
     "derailment_quotient": ("derailment quotient", "1", 3, "Y/Q", ""),
     "track_shifting_force": ("sum of Y", "kN", 2, "", "positive to the right"),
@@ -234,6 +236,8 @@ RUN = _shown(
             "sum of the applied forces on the body, along the axes of the track section there",
             False,
         ),
+        "check_rail_force": Quantity(BY_WHEEL, "N", "normal force of the check rail on the flange's back", False),
+        "check_rail_power": Quantity(BY_WHEEL, "W", "frictional power of flange back and check rail", False),
         "guiding_force": Quantity(BY_WHEEL, "N", "guiding force Y: lateral force on the rail, positive outwards", True),
         "derailment_quotient": Quantity(BY_WHEEL, "1", "derailment quotient Y/Q; NaN without load"),
         "track_shifting_force": Quantity(

@@ -10,7 +10,7 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.loading.flexible_wheelset import MIRRORED_HUB, MIRRORED_RAIL
 from wheelrail.scenes.datasets.netcdf import provenance
 from wheelrail.scenes.datasets.patches import patch_variables
-from wheelrail.scenes.datasets.run_derived import guiding_variables, wear
+from wheelrail.scenes.datasets.run_derived import guiding_variables, on_check_rails, wear
 from wheelrail.scenes.datasets.run_file import FORM
 from wheelrail.scenes.quantities import AXES, EDGES, RUN, TURNS
 from wheelrail.scenes.quantity import filled
@@ -71,7 +71,7 @@ def dataset(history: History, *, scene: str = "", vehicle: str = "", shear_yield
     }
     data = Dataset(filled(RUN, values) | patches, attrs=attributes | _attributes(history, scene))
     data = data.set_coords(["distance", "nominal_x"])
-    return data.assign(wear(data, shear_yield)).assign(guiding_variables(data))
+    return data.assign(wear(data, shear_yield)).assign(guiding_variables(data)).assign(on_check_rails(data))
 
 
 def _costs(cost: RunCost) -> dict[str, Any]:

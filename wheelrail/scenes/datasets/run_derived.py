@@ -9,7 +9,7 @@ import numpy as np
 from wheelrail.contact.stress.shakedown import load_factor, surface_fatigue_index, utilisation
 from wheelrail.scenes.quantities import RUN
 from wheelrail.scenes.quantity import filled
-from wheelrail.vehicle.multibody.wheel_forces import OUTWARDS
+from wheelrail.vehicle.multibody.wheel_forces import OUTWARDS, STEEP
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 
 if TYPE_CHECKING:
@@ -63,6 +63,20 @@ def wear(data: Dataset, shear_yield: float) -> dict[str, Variable]:
     variables = filled(RUN, values)
     variables["patch_load_factor"].attrs["long_name"] += f" of {1e-6 * shear_yield:g} MPa"
     return variables
+
+
+def on_check_rails(data: Dataset) -> dict[str, Variable]:
+    """Normal force and frictional power of the backs of flanges on check rails, where any touches.
+
+    Parameters:
+        data: Dataset of the run.
+    """
+    outwards = data["side"].copy(data=[OUTWARDS[side] for side in data["side"].values.tolist()])
+    back = outwards * data["patch_contact_angle"] > STEEP
+    if not back.any():
+        return {}
+    own = {name: data[f"patch_{name}"].where(back, 0.0).sum("patch") for name in ("normal_force", "frictional_power")}
+    return filled(RUN, {"check_rail_force": own["normal_force"], "check_rail_power": own["frictional_power"]})
 
 
 def guiding_variables(data: Dataset) -> dict[str, Variable]:

@@ -29,6 +29,7 @@ CAPTIONS = {  # in the order of the page, figures of equal height side by side
     "contact_on_wheel": "Contact positions on the wheels: lateral extent [mm], coloured by peak pressure [MPa]",
     "contact_on_rail": "Contact positions on the rails: lateral extent [mm], coloured by peak pressure [MPa]",
     "lateral_displacement": "Lateral displacement of wheelset and car body, positive to the left [mm]",
+    "check_rail": RUN["check_rail_force"].caption,
     "derailment_quotient": RUN["derailment_quotient"].caption,
     "track_shifting_force": RUN["track_shifting_force"].caption,
     "shakedown": "Shakedown map: load factor of every patch over its utilisation, with the limit for line contact",

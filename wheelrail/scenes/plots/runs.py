@@ -46,14 +46,14 @@ def draw_figures(data: Dataset, folder: Path) -> Iterator[Path]:
 
 def pictures_of(data: Dataset) -> dict[str, Callable[..., Figure]]:
     """Functions that draw a run, by name: of the plane wagon those of the paper; with speed and creep forces where the
-    speed of another vehicle changes or loads are applied.
+    speed of another vehicle changes or loads are applied, and with forces of check rails where flanges touch any.
     """
     if is_of_wagon(data):
         return PAPER
     changes = float(np.ptp(data["speed"].values)) > 0.0
-    if changes or "applied_torque" in data or "applied_force" in data:
-        return {**PICTURES, "traction": traction}
-    return PICTURES
+    loaded = changes or "applied_torque" in data or "applied_force" in data
+    checked = {"check_rail": partial(of_wheels, "check_rail_force")} if "check_rail_force" in data else {}
+    return PICTURES | checked | ({"traction": traction} if loaded else {})
 
 
 def displacements(data: Dataset, figure: Figure | None = None) -> Figure:

@@ -257,7 +257,7 @@ def equilibrium_tables(at: Equilibrium, curve: ConstantCurve | None = None) -> l
 def _wheelsets_table(at: Equilibrium, curve: ConstantCurve | None) -> ResultTable:
     from wheelrail.vehicle.multibody.coordinates import YAW
     from wheelrail.vehicle.multibody.equations import wheelset_wrenches
-    from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
+    from wheelrail.vehicle.multibody.wheel_forces import check_rail_force, wheelset_forces
 
     d, speed = at.dynamics, at.dynamics.speed_profile(at.time).speed
     columns, where, reactions = [*_WHEELSET, Column("speed", "", lambda row: speed, "m/s")], "straight track", None
@@ -267,6 +267,12 @@ def _wheelsets_table(at: Equilibrium, curve: ConstantCurve | None) -> ResultTabl
     states = d.wheelset_states(at.time, at.state)
     if d.twists:
         columns.append(_column("wheel_spin", lambda row: [states[row.name].turning_as(s).pitch_rate for s in SIDES]))
+    checked = {
+        name: {side: check_rail_force(result.patches, side) for side, result in sides.items()}
+        for name, sides in at.contacts.items()
+    }
+    if any(force for sides in checked.values() for force in sides.values()):
+        columns.append(_column("check_rail_force", lambda row: checked[row.name]))
     if curve is not None:
         curve = replace(curve, speed=speed)
         where = f"curvature {curve.curvature:.4g} 1/m, cant {1e3 * curve.cant:g} mm"
