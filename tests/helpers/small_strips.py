@@ -11,9 +11,9 @@ from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.profiles.named import named_profile
 
 
-def few_strips(radius: float = 0.46) -> WheelsetContact:
+def few_strips(radius: float = 0.46, *, strips: int = 6, cells: int = 8) -> WheelsetContact:
     rail = named_profile("UIC60-benchmark")
-    how = Discretisation(1e-3, bodies="half-space", strips=6, cells=8)
+    how = Discretisation(1e-3, bodies="half-space", strips=strips, cells=cells)
     profiles, steels = (named_profile("S1002"), rail), (Material(), Material())
     model = wheel_rail_pair(profiles, radius, steels, ContactLaws(friction=0.3), how)
     return WheelsetContact(model, Mounting(0.75, rail.gauge_offset(1.435, 0.014), 0.46))
