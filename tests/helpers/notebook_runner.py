@@ -1,4 +1,4 @@
-"""Notebooks executed at a reduced size, directly and by Jupyter."""
+"""Notebooks executed at a reduced size."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def executed(name: str, **parameters: Any) -> dict[str, Any]:
                     replaced = True
             figures = [pyplot.figure(number) for number in pyplot.get_fignums()]
             for figure in figures:
-                figure.canvas.draw()
+                figure.draw_without_rendering()
     finally:
         pyplot.close("all")
     assert replaced
@@ -62,13 +62,3 @@ def executed(name: str, **parameters: Any) -> dict[str, Any]:
             assert any("[" in other.get_xlabel() for other in alike), (name, ax.get_title(), ax.get_xlabel())
         assert any(other.get_ylabel() for other in ax.get_shared_y_axes().get_siblings(ax)), (name, ax.get_title())
     return names
-
-
-def with_parameters(name: str, **parameters: Any) -> Any:
-    """The notebook in nbformat, with parameters set after their cell."""
-    import jupytext
-
-    notebook = jupytext.read(NOTEBOOKS / name)
-    (own,) = (cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", []))
-    own.source += "".join(f"\n{key} = {value!r}" for key, value in parameters.items())
-    return notebook
