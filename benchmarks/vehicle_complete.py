@@ -1,11 +1,12 @@
 """Manchester 1 on elastic axles and co-running tracks: equilibria, modes, critical speeds and joints.
 
-python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|wheels|joint|energy|tables ...] [--quick]
-    [--json]
+python -m benchmarks.vehicle_complete [--check plane|table|jacobian|gauge|wheels|check_rails|joint|energy|tables ...]
+    [--quick] [--json]
 
 A plane run against the same wagon as a vehicle file; rigid and elastic vehicles against values measured before;
-derivatives against differences and the energy balance; the gauge on rigid sleepers; independent wheels; P2 of a
-dipped joint against a linear model; energy balances of vehicles; runs on tables of forces beside elastic contact.
+derivatives against differences and the energy balance; the gauge on rigid sleepers; independent wheels; a tram on
+check rails; P2 of a dipped joint against a linear model; energy balances of vehicles; runs on tables of forces beside
+elastic contact.
 --quick: a rigid vehicle and an elastic one, one place of the strips and one speed.
 """
 
@@ -33,7 +34,7 @@ from wheelrail.contact.structure.pads import RailCompliance, RailPads, wavenumbe
 from wheelrail.scenes.builders.vehicle import run_track, vehicle_on
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, parse_vehicle
 from wheelrail.scenes.builders.wheelset import run_contact
-from wheelrail.scenes.schema.scene import RunScene, checked
+from wheelrail.scenes.schema.scene import RunScene, checked, load_scene
 from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.integrate import StepSettings
@@ -43,7 +44,7 @@ from wheelrail.vehicle.multibody.elements import SuspensionElement
 from wheelrail.vehicle.multibody.equations import VehicleDynamics
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.multibody.vehicle import Vehicle
-from wheelrail.vehicle.multibody.wheel_forces import wheelset_forces
+from wheelrail.vehicle.multibody.wheel_forces import check_rail_force, wheelset_forces
 from wheelrail.vehicle.simulation.energy_balance import energy_balance
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.steady.critical_speed import critical_speed
@@ -331,6 +332,37 @@ def wheels() -> Iterator[Check]:
     yield Check("tram bogie of 1.8 m, R = 25 m: sum of Y, N", lateral, mass * 9.0 / 25.0, 0.01 * mass * 9.0 / 25.0)
 
 
+def check_rails() -> Iterator[Check]:
+    """The example of a tram: balance in the curve, a run into it, slip of a wheel that rolls about its lowest point."""
+    file = SCENES / "tram_bogie.toml"
+    own = load_scene(SCENES / "vehicle_tram.toml")
+    assert isinstance(own, RunScene)
+    assert own.track.check_rail is not None
+    d = VehicleDynamics(vehicle_on(own, file), own.track.track(), run_contact(own, ())[0], 3.0)
+    at = equilibrium(replace(d, track=ConstantCurve(3.0, 1 / 25).track))
+    lateral = sum(float(result.force[1]) for sides in at.contacts.values() for result in sides.values())
+    mass = sum(body.mass for body in d.vehicle.bodies.values())
+    yield Check("the same on check rails, wheels of 0.33 m", lateral, mass * 9.0 / 25.0, 0.01 * mass * 9.0 / 25.0)
+    run = simulate(d, (0.0, 6.0), steps=StepSettings("rosenbrock", 3e-3, 3e-5)).rows[-1]
+    for k, (name, side) in enumerate((("front", "left"), ("rear", "right"))):
+        result = at.contacts[name][side]  # type: ignore[index]
+        held, end = check_rail_force(result.patches, side), check_rail_force(run.patches[k][k], side)  # type: ignore
+        yield Check(f"check rail of the {side} {name} wheel: run over equilibrium", end / held, 1.0, 2e-3)
+        patch = max(result.patches, key=lambda patch: abs(patch.contact_angle))
+        state = at.dynamics.wheelset_states(0.0, at.state)[name].turning_as(side)  # type: ignore[arg-type]
+        normal = np.array([0.0, -np.sin(patch.contact_angle), np.cos(patch.contact_angle)])
+        face = own.track.check_rail.height - own.track.check_rail.rounding
+        hand = 1.0 if side == "left" else -1.0
+        place = np.array([patch.x, hand * (0.7175 - own.track.check_rail.flangeway), face + 0.01 * normal[2]])
+        arm = place - [0.0, state.y, 0.33 + state.z]
+        slip = state.pitch_rate * np.cross(state.rotation[:, 1], arm)
+        slip += 3.0 * np.array([1.0 - place[1] / 25.0, place[0] / 25.0, 0.0])  # of the rail, in the frame that turns
+        power = 0.15 * patch.normal_force * float(np.linalg.norm(slip - (slip @ normal) * normal))
+        yield Check(
+            f"its frictional power over that of rigid slip, {side} {name}", patch.frictional_power / power, 1.0, 1e-2
+        )
+
+
 def beam_tracks(rigid: bool) -> tuple[list[Array], list[Array] | None]:
     """Stiffness (5, 5) of tracks of Euler beams under loads to the same side, and mirrored loads."""
     ballasts = Ballast().rigid(2.6, 0.75) if rigid else (Ballast(),)
@@ -443,6 +475,7 @@ CHECKS: dict[str, Callable[[], Iterator[Check]]] = {
     "jacobian": jacobian,
     "gauge": gauge,
     "wheels": wheels,
+    "check_rails": check_rails,
     "joint": joint,
     "energy": energy,
     "tables": lambda: starmap(Check, chain(irregular(), border())),
