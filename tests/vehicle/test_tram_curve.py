@@ -18,6 +18,7 @@ from wheelrail.scenes.schema.messages import warn_of_unusual
 from wheelrail.scenes.schema.scene import RunScene, parse_scene
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts
+from wheelrail.vehicle.multibody.wheel_forces import check_rail_force
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
@@ -71,9 +72,8 @@ def test_a_run_into_a_curve_of_25_m_ends_in_its_equilibrium() -> None:
 
 
 def on_check_rails(contacts: WheelContacts, name: str, side: Side) -> list[Patch]:
-    """Patches of the flange's back of a wheel: their planes are within 30 degrees of the vertical."""
-    hand = 1.0 if side == "left" else -1.0
-    return [patch for patch in contacts[name][side].patches if hand * patch.contact_angle < -np.pi / 3]
+    """Patches of the flange's back of a wheel."""
+    return [patch for patch in contacts[name][side].patches if check_rail_force([patch], side)]
 
 
 @pytest.mark.parametrize("stiffness", [20e6, 200e6])
@@ -141,9 +141,9 @@ def test_check_rails_that_do_not_fit_are_refused(keys: str, message: str) -> Non
 
 
 def test_a_resumed_run_repeats_the_whole_one_to_the_last_bit() -> None:
-    """With independent wheels, a gauge that widens and friction that falls."""
+    """With independent wheels, check rails, a gauge that widens and friction that falls."""
     segments = [Segment("transition", 3.0), Segment("arc", 10.0, 1 / 100, widening=0.01)]
-    d = bogie(Track.of(segments, friction=PiecewiseFunction((2.0, 3.0), (1.0, 0.5))))
+    d = bogie(Track.of(segments, friction=PiecewiseFunction((2.0, 3.0), (1.0, 0.5))), "flangeway = 0.039")
     written, steps = list[Checkpoint](), StepSettings("rosenbrock", 3e-3, 3e-5)
     every = Checkpoints(30, lambda at: written.append(deepcopy(at)))
     whole = simulate(d, (0.0, 1.5), steps=steps, recording=Recording(checkpoints=every))
@@ -153,6 +153,7 @@ def test_a_resumed_run_repeats_the_whole_one_to_the_last_bit() -> None:
     assert np.array_equal(resumed.state, whole.state)
     assert np.array_equal(resumed.force, whole.force)
     assert np.abs(whole.state[-1, d.coordinates.twist_rates]).min() > 1e-3
+    assert sum(check_rail_force(row.patches[0][0], "left") > 0.0 for row in whole.rows[30:]) > 5
 
 
 def test_scenes_of_sharp_curves_name_what_is_neglected() -> None:

@@ -11,6 +11,9 @@ from scipy.optimize import brentq, minimize_scalar
 from wheelrail.contact.analytical.hertz import hertz, modulus
 from wheelrail.contact.geometry.flange_back import CheckRail, FlangeBack
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
+from wheelrail.contact.loading.flexible_contact import FlexibleContact
+from wheelrail.contact.loading.flexible_state import FlexibleState
+from wheelrail.contact.loading.flexible_wheelset import Flexibility
 from wheelrail.contact.models.check_rail import CREEP, CheckRailContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.profiles.library import load_profile
@@ -170,6 +173,60 @@ def test_tangents_are_differences_and_mirror_images_exact() -> None:
         mirrored = own(state.mirrored(), "right").mirrored()
         assert np.array_equal(mirrored.force, own(state, "left").force)
         assert np.array_equal(mirrored.moment, own(state, "left").moment)
+
+
+def test_tangents_by_motions_of_hubs_and_rails_are_differences() -> None:
+    """The check rail moves with its rail: a rail that moves to the left acts as a wheelset that moves to the right."""
+    rng = np.random.default_rng(6)
+    own = FlexibleContact(contact(replace(MODEL, rail=replace(RAIL, stiffness=50e6))), Flexibility())
+    state = touching(2e-4, 0.01, 0.02, 1e-3, own.contact)
+    sizes = np.repeat([1e-5, 1e-4, 1e-5, 1e-4], [6, 6, 4, 2])
+    at = FlexibleState(**vars(state), motions=tuple((sizes * rng.uniform(-1.0, 1.0, 18)).tolist()))
+
+    def wrench(moved: FlexibleState) -> Array:
+        found = own(moved, "left")
+        return np.concatenate([found.force, found.moment])
+
+    found = own.tangent(at, "left", own(at, "left"))
+    for j in range(18):
+        step = 1e-8 * np.eye(18)[j]
+        ahead, behind = (replace(at, motions=tuple((np.array(at.motions) + s * step).tolist())) for s in (1.0, -1.0))
+        slope = (wrench(ahead) - wrench(behind)) / 2e-8
+        assert found[:, 9 + j] == pytest.approx(slope, rel=1e-4, abs=1e-5 * np.abs(found[:, :9]).max()), j
+    rest = FlexibleState(**vars(state))
+    slopes = own.tangent(rest, "left", own(rest, "left"))
+    assert slopes[:3, 9 + 12] == pytest.approx(-slopes[:3, 0], rel=1e-3, abs=1e3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_depths_of_random_shapes(seed: int) -> None:
+    """Wheels, edges, heights and poses at random: the deepest point of 100 001 points of the ring."""
+    rng = np.random.default_rng(seed)
+    radius, height = rng.uniform(0.25, 0.5), rng.uniform(-0.008, 0.04)
+    back = FlangeBack(-0.07, rng.uniform(0.002, 0.02), rng.uniform(0.004, 0.03))
+    model = CheckRailContact(back, CheckRail(-0.077, height, rng.uniform(0.003, 0.03)), radius, MODULUS, MU)
+    own, curvature = WheelsetContact(model, Mounting(0.75, 0.7535, radius)), rng.uniform(-0.066, 0.066)
+    state = WheelsetState(
+        z=rng.uniform(-2e-3, 2e-3), roll=rng.uniform(-3e-3, 3e-3), yaw=rng.uniform(-0.06, 0.06), speed=V
+    )
+    state = replace(state, pitch_rate=V / radius, frame_rate=(0.0, 0.0, V * curvature))
+    angle, (forth, axle, up) = np.linspace(-0.75, 0.75, 100_001), state.rotation.T
+
+    def depth(y: float) -> float:
+        out = (radius + back.height) * (np.sin(angle)[:, None] * forth - np.cos(angle)[:, None] * up)
+        x, across, z = (np.array([0.0, y - 0.7535, radius + state.z]) + (0.68 + back.rounding) * axle + out).T
+        across, z = (
+            across - 0.5 * curvature * x**2 + 0.077 + model.rail.rounding,
+            z - height + model.rail.rounding,
+        )
+        apart = np.where(z > 0.0, np.where(across > 0.0, np.hypot(across, z), z), across) - model.rail.rounding
+        return float(back.rounding - apart.min())
+
+    y = brentq(lambda y: depth(y) - 2e-5, -0.03, 0.03, xtol=1e-12)
+    result = own(replace(state, y=y), "left")
+    assert result.status == "converged"
+    assert result.approach == pytest.approx(2e-5, abs=2e-6)  # along the normal, not in the section
+    assert all(patch.frictional_power > 0.0 for patch in result.patches)
 
 
 def test_open_and_impossible_contacts_say_so() -> None:
