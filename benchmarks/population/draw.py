@@ -184,6 +184,8 @@ class _Draw:
         drawn = Situation(seed, arguments, solve)
         solve |= self.loading(drawn)
         solve |= self.motion(arguments["radius"])
+        if arguments["wheel"] == wheel("S1002") and not meshed and "z" not in solve and self.chance(0.2):
+            arguments["wheel"] = wheel("S1002", abraded=self.logarithmic(1e-5, 2e-3))
         return drawn
 
     def model(self) -> dict[str, Any]:

@@ -9,14 +9,18 @@ from time import process_time
 import numpy as np
 
 import wheelrail as wr
-from benchmarks.population.profiles import Shape, rail, wheel
+from benchmarks.population.profiles import Shape, abraded, rail, wheel
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.loading.flexible_contact import FlexibleContact
 from wheelrail.contact.loading.flexible_wheelset import Flexibility
 from wheelrail.contact.loading.quasi_static_structure import QuasiStaticStructure
-from wheelrail.contact.structure.pads import RailPads
+from wheelrail.contact.models.wheelset import WheelsetContact
+from wheelrail.contact.results.vehicle_contact import ContactsByWheelset, VehicleContact
+from wheelrail.contact.structure.hubs import hub_compliance
+from wheelrail.contact.structure.pads import RailPads, rail_compliance
 from wheelrail.contact.structure.sleepers import sleeper_compliance
-from wheelrail.meshes.bodies.outlines import rail_outline
+from wheelrail.meshes.bodies.axle import AxleShape
+from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.scenes.builders.vehicle_file import load_vehicle
 from wheelrail.support.arrays import Array
@@ -33,6 +37,7 @@ from wheelrail.vehicle.steady.start_state import start_state
 from wheelrail.vehicle.track.alignment import Segment
 from wheelrail.vehicle.track.irregularity import Irregularities
 from wheelrail.vehicle.track.irregularity_spectrum import ERRI
+from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.speed_profile import SpeedProfile
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
@@ -65,7 +70,7 @@ class Run:
         names = (
             "plane mass spring damper wheel rail friction radius hand cant length speed joint rough depth at load pull"
         )
-        more = "brake free method start tolerance elastic profile sleepers"
+        more = "brake free method start tolerance elastic profile sleepers named turning rubbing supple worn"
         random = np.random.default_rng(self.seed)
         return {name: float(random.random()) for name in f"{names} {more}".split()} | dict(self.fixed)
 
@@ -83,9 +88,25 @@ class Run:
         return self.plane and self.drawn["sleepers"] < 0.2
 
     @property
+    def supple(self) -> bool:
+        """Whether the first wheelset of a vehicle has an axle that bends, on rails on pads."""
+        return not self.plane and self.drawn["supple"] < 0.05
+
+    @property
     def elastic(self) -> bool:
         """Whether contacts are solved by strips on half-spaces."""
-        return self.drawn["elastic"] < 0.06 or self.sleepers
+        return self.drawn["elastic"] < 0.06 or self.sleepers or self.supple
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """Wheelsets of a vehicle with a contact of their own: other profiles, and half the friction."""
+        return self.vehicle.wheelsets[1::2] if not self.plane and self.drawn["named"] < 0.15 else ()
+
+    @property
+    def turning(self) -> tuple[str, ...]:
+        """Wheelsets of a vehicle whose wheels turn by themselves."""
+        free = not (self.plane or self.supple) and self.drawn["turning"] < 0.15
+        return self.vehicle.wheelsets[2:] if free else ()
 
     @property
     def radius(self) -> float:
@@ -110,7 +131,15 @@ class Run:
             arc = Segment("arc", 15.0, self.sign * side / self.radius, self.cant)
             ramp, tangent = Segment("transition", 10.0 + 10.0 * self.drawn["length"]), 25.0 + 50.0 * self.drawn["at"]
             track = Track.of([Segment("tangent", tangent), ramp, arc, ramp], base=BASE)
-        return replace(track, irregularities=self.irregularities)
+        return replace(track, irregularities=self.irregularities, friction=self.rubbing)
+
+    @property
+    def rubbing(self) -> PiecewiseFunction:
+        """Factor on the coefficient of friction over distance: leaves or water after 5 to 35 m, or sand."""
+        if self.drawn["rubbing"] > 0.2:
+            return PiecewiseFunction.constant(1.0)
+        begins = 5.0 + 150.0 * self.drawn["rubbing"]
+        return PiecewiseFunction((begins, begins + 2.0), (1.0, 1.5 if self.drawn["at"] < 0.2 else 0.4))
 
     @property
     def irregularities(self) -> Irregularities | None:
@@ -150,6 +179,16 @@ class Run:
         return replace(vehicle, bodies=bodies, elements=elements, speed_hold=hold)
 
     @property
+    def running(self) -> Vehicle:
+        """The vehicle with the wheels that turn by themselves."""
+        bodies = self.vehicle.bodies
+        free = {
+            name: replace(bodies[name], independent=True, torsion=(0.0, 100.0 * (i % 2)))
+            for i, name in enumerate(self.turning)
+        }
+        return replace(self.vehicle, bodies={**bodies, **free})
+
+    @property
     def loads(self) -> AppliedLoads:
         """Wind or a drawbar over distance, and brakes over time."""
         forces, torques = (), ()
@@ -159,7 +198,8 @@ class Run:
             forces = (BodyForce("car_body", (0.0, 0.0, 2.0), lateral=table),)
         if self.drawn["brake"] < 0.2:
             torque = LoadTable(((0.5, 0.0), (0.8, 2e3)))
-            torques = tuple(WheelsetTorque(name, torque, brake=True) for name in self.vehicle.wheelsets)
+            braked = (name for name in self.vehicle.wheelsets if name not in self.turning)
+            torques = tuple(WheelsetTorque(name, torque, brake=True) for name in braked)
         return AppliedLoads(torques, forces)
 
     @property
@@ -168,18 +208,31 @@ class Run:
         rails = (rail("60E1"), rail("60E1", corner=1e-3), rail("arcs", crown=0.254))
         return wheels[int(4 * self.drawn["wheel"] ** 2)], rails[int(3 * self.drawn["rail"] ** 2)]
 
-    @cached_property
-    def dynamics(self) -> VehicleDynamics:
-        of_wheel, of_rail = self.pair
+    @property
+    def friction(self) -> float:
+        return self.between("friction", 0.05, 0.6)
+
+    def coefficient(self, wheelset: str, distance: float) -> float:
+        """Coefficient of friction of a wheelset at a distance m of its own."""
+        return self.friction * (0.5 if wheelset in self.named else 1.0) * self.rubbing(distance)[0]
+
+    def wheelset(self, of_wheel: Shape, of_rail: Shape, friction: float) -> WheelsetContact:
+        """Contact of a pair of profiles."""
         more = {"model": "standard"}
         if self.elastic:
             more = {"bodies": "half-space", "strips": 6, "cells": 6}
-        friction = self.between("friction", 0.05, 0.6)
-        pair = wr.Wheelset(of_wheel.profile, of_rail.profile, laying_angle=0.025, friction=friction, **more)
-        contact = pair.element().contact
+        profile = of_wheel.profile
+        if self.drawn["worn"] < 0.15:  # as a run of wear changes it
+            profile = abraded(profile, self.between("depth", 3e-5, 1e-3))
+        return wr.Wheelset(profile, of_rail.profile, laying_angle=0.025, friction=friction, **more).element().contact
+
+    @cached_property
+    def dynamics(self) -> VehicleDynamics:
+        contact: VehicleContact = self.wheelset(*self.pair, self.friction)
+        pads = Material(), RailPads()
         if self.sleepers:
-            rail = sleeper_compliance(rail_outline(named_profile("UIC60-benchmark")), Material(), RailPads())
-            moving = FlexibleContact(contact, Flexibility(None, (rail, rail)))
+            support = sleeper_compliance(rail_outline(named_profile("UIC60-benchmark")), *pads)
+            moving = FlexibleContact(contact, Flexibility(None, (support, support)))
             structure = QuasiStaticStructure(moving.pairs)
             return wagon_dynamics(Wagon(), Track(), moving, self.speed, structure)
         if self.plane:
@@ -187,7 +240,16 @@ class Run:
         speed: float | SpeedProfile = self.speed
         if self.drawn["profile"] < 0.15 and self.vehicle.speed_hold is not None:
             speed = SpeedProfile.through((0.0, 1.0, 1.5, 99.0), (speed, speed, 0.97 * speed, 0.97 * speed))
-        return VehicleDynamics(self.vehicle, self.track, contact, speed, loads=self.loads)
+        structures: tuple[QuasiStaticStructure | None, ...] | None = None
+        if self.supple:
+            hubs = hub_compliance(wheel_outline(named_profile("S1002"), 0.46), AxleShape(), pads[0], wheel_y=0.75)
+            support = rail_compliance(rail_outline(named_profile("UIC60-benchmark")), *pads)
+            contact = FlexibleContact(contact, Flexibility(hubs, (support, support)))
+            structures = (QuasiStaticStructure(contact.pairs), *(len(self.vehicle.wheelsets) - 1) * (None,))
+        elif self.named:
+            other = self.wheelset(wheel("S1002"), rail("60E1", corner=5e-4), 0.5 * self.friction)
+            contact = ContactsByWheelset(contact, dict.fromkeys(self.named, other))
+        return VehicleDynamics(self.running, self.track, contact, speed, structures, loads=self.loads)
 
     @property
     def method(self) -> str:

@@ -83,8 +83,10 @@ class RigidSide:
 
     @cached_property
     def wheel_points(self) -> Array:
-        """Points (n, 2) m with z = 0 on the rolling circle."""
+        """Points (n, 2) m with z = 0 on the rolling circle, before its wear is calculated."""
         points = _dense(self.wheel.points)
+        if "abraded" in dict(self.wheel.parameters):
+            return np.asarray(points)
         return np.asarray(points - (0.0, float(np.interp(0.0, points[:, 0], points[:, 1]))))
 
     @cached_property

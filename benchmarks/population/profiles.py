@@ -10,7 +10,7 @@ import hashlib
 import os
 import tempfile
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wheelrail.meshes.profiles.named import NAMES, named_profile
+from wheelrail.meshes.profiles.worn import cell_bounds
 from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
@@ -62,6 +63,8 @@ class Shape:
 
         if self.base in NAMES and not self.parameters:
             return wr.profile(self.base)
+        if depth := dict(self.parameters).get("abraded"):  # in its frame: the radius falls by the wear
+            return abraded(replace(self, parameters=self.parameters[:-1]).profile, depth)
         if self.base not in NAMES and self.base not in FORMS:
             return wr.profile(self.base, self.kind)
         text = "".join(f"{1e3 * y:.6f} {1e3 * z:.6f}\n" for y, z in self.points)
@@ -123,6 +126,21 @@ def flange(points: Array, depth: float) -> Array:
     return worn(points, depth * bump(z, 13e-3, 13e-3) * (y > y[np.argmax(z)]))
 
 
+def ground(points: Array, depth: float) -> Array:
+    """A running surface between flange root and field side, as `abraded` removes it."""
+    return worn(points, depth * bump(points[:, 0], -8e-3, 25e-3))
+
+
+def abraded(profile: Profile, depth: float) -> Profile:
+    """A profile that loses the area (1 - k d / 2) d of each length to a depth d m along its normals, k its curvature,
+    as by a calculation of wear.
+    """
+    bounds = cell_bounds(profile)
+    middle = 0.5 * (bounds[1:] + bounds[:-1])
+    depths = depth * bump(profile.point(middle)[:, 0], -8e-3, 25e-3)
+    return profile.worn(bounds, (1.0 - 0.5 * profile.curvature(middle) * depths) * depths * np.diff(bounds))
+
+
 def flattened(points: Array, depth: float) -> Array:
     """A crown worn flat."""
     return worn(points, depth * bump(points[:, 0], 0.0, 28e-3))
@@ -143,7 +161,7 @@ def side(points: Array, depth: float) -> Array:
 
 WEAR: Mapping[str, Callable[[Array, float], Array]] = {
     **{"hollow": hollow, "hollow_field": hollow_field, "tread": tread, "flange": flange},
-    **{"flattened": flattened, "corner": corner, "side": side},
+    **{"flattened": flattened, "corner": corner, "side": side, "abraded": ground},
 }
 
 

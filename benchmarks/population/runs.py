@@ -1,6 +1,7 @@
 """A population of vehicle runs: vehicles, tracks, profiles, loads, methods, speeds and starts at random, each result
-judged by oracles of its own: momentum of the whole vehicle, a run with short steps, the mirror image, and whether a
-vehicle that is said to have left the rails has.
+judged by oracles of its own: momentum of the whole vehicle, Newton's law for wheels that turn by themselves, Coulomb's
+bound at each place, a run with short steps, the mirror image, and whether a vehicle that is said to have left the rails
+has.
 
 python -m benchmarks.population.runs [--count N] [--seed S] [--processes P] [--only SEED ...] [--limit S]
                                      [--failures FILE] [--events]
@@ -13,7 +14,7 @@ from __future__ import annotations
 import argparse
 import logging
 import multiprocessing
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,6 +32,8 @@ from wheelrail.vehicle.simulation.history import History
 
 HEADER = "from benchmarks.population.runs import judged\n"
 MOMENTUM = 0.01  # of the weight: means of forces over a run, by rows at all steps
+SPIN = 0.02  # of the moments on both wheels: means over a run
+FRICTION = 1e-3  # of the bound: forces are split by normals of undeformed wheels
 SHORT = 0.25  # m, steps of the comparison
 Y_BAND, Q_BAND = (3e-4, 0.1), (0.05, 0.15)  # m and part of the largest |y|; of the mean wheel load and of the largest Q
 CLIMBING, TURNED, UNLOADED = 9e-3, 0.2, 0.01  # m beyond all clearances of flanges; rad; of the mean wheel load
@@ -38,6 +41,7 @@ PLACE = 10.0  # m, within which short steps end likewise
 GRID = 4000  # times at which curves are sampled, whatever the steps
 USUAL = dict.fromkeys(("plane", "free", "tolerance"), 0.5) | {"wheel": 0.0, "rail": 0.0, "speed": 0.7, "at": 0.6}
 USUAL |= dict.fromkeys(["hand", "rough", "load", "brake", "start", "elastic", "profile", "sleepers"], 1.0)
+USUAL |= dict.fromkeys(["named", "turning", "rubbing", "supple", "worn"], 1.0)
 EVENTS: dict[str, dict[str, float]] = {
     "curve": {"hand": 0.1, "radius": 0.35, "cant": 0.0},
     "curve, wagon": {"plane": 0.1, "hand": 0.1, "radius": 0.35, "cant": 0.0},
@@ -48,6 +52,11 @@ EVENTS: dict[str, dict[str, float]] = {
     "change of speed": {"profile": 0.1},
     "joint, free speed": {"free": 0.1, "rough": 0.5, "depth": 0.5, "length": 0.2, "joint": 0.0},
     "sleepers, wagon": {"plane": 0.1, "sleepers": 0.0},
+    "contacts by name, curve": {"named": 0.0, "hand": 0.1, "radius": 0.35, "cant": 0.0},
+    "independent wheels, curve": {"turning": 0.0, "hand": 0.1, "radius": 0.35, "cant": 0.0},
+    "leaves, curve": {"rubbing": 0.1, "hand": 0.1, "radius": 0.35, "cant": 0.0},
+    "elastic axle": {"supple": 0.0, "rough": 0.5, "depth": 0.5, "length": 0.2, "joint": 0.0, "at": 0.0},
+    "worn wheels, curve": {"worn": 0.1, "hand": 0.1, "radius": 0.35, "cant": 0.0},
 }
 BY_METHOD = {"rosenbrock": 0.5, "rosenbrock4": 0.1, "ode23": 0.85, "ode45": 0.95}
 
@@ -83,6 +92,38 @@ def momentum(history: History) -> tuple[float, float]:
     return result[0], result[1]
 
 
+def spin(history: History, turning: Sequence[str]) -> float:
+    """Largest mean moment between both wheels of a wheelset, of some that turn by themselves, that is not that of their
+    difference of spin, over the largest moment of a wheel.
+
+    Newton's law for each wheel about its axle, whose direction is that of the wheelset's roll and yaw.
+    """
+    d, time, found = history.dynamics, history.time, 0.0
+    for name in turning:
+        body, number = d.vehicle.bodies[name], d.vehicle.wheelsets.index(name)
+        roll, yaw = (history.coordinate(name, k) for k in (ROLL, YAW))
+        axle = np.stack([-np.sin(yaw) * np.cos(roll), np.cos(yaw) * np.cos(roll), np.sin(roll)], axis=1)
+        moments = np.einsum("nsk,nk->ns", history.moment[:, number], axle)
+        rate = history.state[:, d.coordinates.twist_rates][:, list(d.vehicle.independent).index(name)]
+        needed = body.inertia[1] * (rate[-1] - rate[0]) + 4.0 * body.torsion[1] * integral(rate, time)
+        left = integral(moments[:, 0] - moments[:, 1], time) - needed
+        found = max(found, abs(left) / (time[-1] - time[0]) / max(float(np.abs(moments).max()), 1e-9))
+    return found
+
+
+def beyond_friction(history: History, own: Run) -> float:
+    """Largest tangential force of a patch over its bound, by the coefficient of the own wheelset at its own place."""
+    found, bodies = 0.0, history.dynamics.vehicle.bodies
+    for distance, row in zip(history.distance.tolist(), history.rows, strict=True):
+        for name, pair in zip(history.dynamics.vehicle.wheelsets, row.patches, strict=True):
+            bound = own.coefficient(name, distance + bodies[name].x)
+            for patches in pair:
+                along, across = patches.column("tangential_force").T
+                used = np.hypot(along, across) / np.maximum(bound * patches.column("normal_force"), 1e-9)
+                found = max(found, float(used.max(initial=0.0)))
+    return found
+
+
 def largest(history: History) -> tuple[float, float]:
     """Largest |y| of a wheelset, m, and wheel load, N."""
     y = [np.abs(history.coordinate(name, Y)).max() for name in history.dynamics.vehicle.wheelsets]
@@ -109,13 +150,14 @@ def off_the_rails(history: History) -> str:
     return ""
 
 
-def faults(run: History, short: History, mirrored: History | None) -> Iterator[str]:
+def faults(run: History, short: History, mirrored: History | None, own: Run | None = None) -> Iterator[str]:
     """What of a completed run is wrong.
 
     Parameters:
         run: with the steps that it chooses.
         short: with short steps and a fifth of the tolerance.
         mirrored: of the mirror image; None: not made.
+        own: that was drawn; None: friction and wheels that turn by themselves are not judged.
     """
     if not (np.isfinite(run.state).all() and np.isfinite(run.force).all()):
         yield "states or forces that are no numbers"
@@ -126,6 +168,10 @@ def faults(run: History, short: History, mirrored: History | None) -> Iterator[s
         for name, part in zip(("lateral", "vertical"), momentum(run), strict=True):
             if abs(part) > MOMENTUM:
                 yield f"{name} forces differ by {part:.3f} of the weight from those of the masses"
+        if own is not None and (used := beyond_friction(run, own)) > 1.0 + FRICTION:
+            yield f"a tangential force of {used:.4g} times the bound of friction"
+        if own is not None and (part := spin(short if short.status == "completed" else run, own.turning)) > SPIN:
+            yield f"moments between wheels that turn by themselves differ by {part:.3f} from those of their masses"
     if short.status != run.status and "completed" in (run.status, short.status):
         yield f"{run.status}, but with short steps {short.status}"
     elif run.status == "completed":
@@ -142,12 +188,12 @@ def faults(run: History, short: History, mirrored: History | None) -> Iterator[s
         yield f"the mirror image differs: {mirrored.status}, {len(mirrored)} rows for {len(run)}"
 
 
-def conclusion(run: History, short: History, mirrored: History | None) -> tuple[Kind, str]:
+def conclusion(run: History, short: History, mirrored: History | None, own: Run | None = None) -> tuple[Kind, str]:
     """Kind of a run that ended, and its reason; parameters as for `faults`.
 
     A run that says why it ended is explained where the vehicle is off the rails, and is so with short steps near there.
     """
-    if found := "; ".join(faults(run, short, mirrored)):
+    if found := "; ".join(faults(run, short, mirrored, own)):
         return "wrong", found
     if run.status == "completed":
         return "right", ""
@@ -176,7 +222,7 @@ def judged(seed: int, limit: float = 60.0, fixed: tuple[tuple[str, float], ...] 
         short = own.history(3.0 * limit, SHORT / own.speed)
         compared = short if short.status != "interrupted" else run
         image = replace(own, mirrored=True).history(limit) if seed % 3 == 0 else None
-        kind, reason = conclusion(run, compared, image)
+        kind, reason = conclusion(run, compared, image, own)
     except Exception as error:
         kind, reason, seconds = "wrong", f"{type(error).__name__}: {error}", process_time() - began
     return Verdict(seed, line, kind, reason, (seconds, process_time() - began), model)

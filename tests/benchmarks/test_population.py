@@ -13,7 +13,7 @@ import pytest
 
 import wheelrail as wr
 from benchmarks.population import judge as judge_module
-from benchmarks.population.checks import PARABOLIC, _connected, between_points, broken, lowering, within_strip
+from benchmarks.population.checks import PARABOLIC, TOUCH, _connected, between_points, broken, lowering, within_strip
 from benchmarks.population.draw import Situation, situation
 from benchmarks.population.explanations import _below_points, explanation, resting_rolls
 from benchmarks.population.judge import faults, judged, of_exception
@@ -380,6 +380,17 @@ def test_a_file_does_not_say_how_a_corner_is_rounded() -> None:
     chamfered, smooth = (replace(situation(50079).rigid["left"], wheel=own) for own in (wheel("S1002"), wheel("cone")))
     assert 5e-6 < chamfered.rounding < 12e-6
     assert smooth.rounding < 1e-9
+
+
+def test_wheels_whose_wear_was_calculated_lose_their_depth() -> None:
+    """The profile passes the points that are moved by the depth, and its radius falls by that."""
+    drawn = next(own for seed in range(MANY) if "abraded" in repr((own := situation(seed)).wheelset["wheel"]))
+    shape = replace(drawn.wheelset["wheel"], parameters=(("abraded", 1.5e-3),))
+    for own in (shape, drawn.wheelset["wheel"]):
+        points = own.points[(np.abs(own.points[:, 0]) < 0.04)]
+        assert np.abs(own.profile.closest(points).distance).max() < TOUCH  # which the oracle allows
+    points = replace(drawn.rigid["left"], wheel=shape).wheel_points
+    assert np.interp(0.0, *points.T) == pytest.approx(-1.5e-3 * np.cos(0.5 * np.pi * 8 / 25) ** 2, rel=0.02)
 
 
 def test_wheels_below_the_points_of_a_meshed_rail_are_explained() -> None:

@@ -10,7 +10,17 @@ import pytest
 
 from benchmarks.population import drawn_run
 from benchmarks.population.drawn_run import Run
-from benchmarks.population.runs import BY_METHOD, EVENTS, USUAL, conclusion, faults, judged, off_the_rails
+from benchmarks.population.runs import (
+    BY_METHOD,
+    EVENTS,
+    USUAL,
+    beyond_friction,
+    conclusion,
+    faults,
+    judged,
+    off_the_rails,
+    spin,
+)
 from wheelrail.vehicle.integration.integrate import METHODS
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.simulation import time_run
@@ -125,6 +135,42 @@ def test_a_run_that_jumps_over_a_curve_is_found(monkeypatch: pytest.MonkeyPatch)
     assert "lateral forces differ" in found
     assert "largest |y|" in found
     assert conclusion(right, right, None) == ("right", "")
+
+
+@cache
+def at_curve(event: str) -> History:
+    return at_event(event).history(60.0)
+
+
+def test_the_population_covers_its_kinds() -> None:
+    many = [Run(seed) for seed in range(150)]
+    kinds = ("named", "turning", "supple")
+    assert all(0.02 < np.mean([bool(getattr(own, kind)) for own in many]) < 0.3 for kind in kinds)
+    assert {own.rubbing(100.0)[0] for own in many} == {0.4, 1.0, 1.5}
+    own = at_event("contacts by name, curve")
+    first, second = own.vehicle.wheelsets[:2]
+    assert own.coefficient(first, 0.0) == 2.0 * own.coefficient(second, 0.0) == own.friction
+    assert not {part.wheelset for part in at_event("independent wheels, curve").loads.torques} & {*own.turning}
+
+
+@pytest.mark.parametrize("event", ["contacts by name, curve", "leaves, curve"])
+def test_friction_of_another_place_or_wheelset_is_found(event: str) -> None:
+    """Runs with uniform friction reach the bound, and are beyond that of the event."""
+    run = at_curve("curve")
+    assert 0.99 < beyond_friction(run, at_event("curve")) <= 1.0 + 1e-3
+    assert beyond_friction(run, at_event(event)) > 1.5
+    own = at_curve(event)
+    assert 0.99 < beyond_friction(own, at_event(event)) <= 1.0 + 1e-3
+    assert "bound of friction" in "; ".join(faults(run, run, None, at_event(event)))
+    assert list(faults(own, own, None, at_event(event))) == []
+
+
+def test_moments_between_wheels_that_turn_by_themselves() -> None:
+    run, own = at_curve("independent wheels, curve"), at_event("independent wheels, curve")
+    assert spin(run, own.turning) < 2e-3
+    couple = np.array([[0.0, 100.0, 0.0], [0.0, -100.0, 0.0]])  # N m, far less than in a rigid axle
+    wrong = replace(run, rows=[replace(row, moment=row.moment + couple) for row in run.rows])
+    assert "moments between wheels" in "; ".join(faults(wrong, wrong, None, own))
 
 
 def moved(history: History, y: float) -> History:
