@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
+from wheelrail.contact.kinematics.frames import Side
 from wheelrail.contact.kinematics.wheelset_state import RailShift
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 
+JOINT_SAMPLES = 100  # on either side
+MARGIN = 12  # samples beside a joint, along which the spline comes to rest
 QUANTITIES = ("alignment", "level", "cross_level", "gauge")
 # Lateral and vertical shift of the left and of the right rail by the four quantities.
 RAILS = np.array([[1.0, 0.0, 0.0, 0.5], [0.0, 1.0, -0.5, 0.0], [1.0, 0.0, 0.0, -0.5], [0.0, 1.0, 0.5, 0.0]])
@@ -60,6 +64,35 @@ class Irregularities:
         weight = np.array([ramp(s - start)[0] * ramp(end - s)[0] for s in faded_stations.tolist()])
         inside = np.vstack([np.zeros(len(QUANTITIES)), values[stations > start]])
         return cls(faded_stations, inside * weight[:, None])
+
+    @classmethod
+    def joints(
+        cls, places: Sequence[float], angle: float, length: float, sides: Sequence[Side] = ("left", "right")
+    ) -> Irregularities:
+        """Dipped joints: parabolas that fall towards each place and meet there at an angle.
+
+        Parameters:
+            places: m, increasing, two lengths from one another at least.
+            angle: rad, between the rails' ends.
+            length: of each parabola, m.
+            sides: rails with joints.
+
+        Raises ValueError for joints that overlap.
+        """
+        if (np.diff(places) < 2.0 * length).any():
+            raise ValueError(f"joints must be {2.0 * length:g} m from one another at least, two lengths")
+        spacing = length / JOINT_SAMPLES
+        x = np.arange(-JOINT_SAMPLES - MARGIN, JOINT_SAMPLES + MARGIN + 1) / JOINT_SAMPLES
+        dip = -0.25 * angle * length * np.maximum(1.0 - np.abs(x), 0.0) ** 2
+        left, right = ("left" in sides), ("right" in sides)
+        values = np.zeros((len(x), len(QUANTITIES)))
+        values[:, 1], values[:, 2] = 0.5 * (left + right) * dip, (right - left) * dip
+        stations = np.add.outer(places, length * x)
+        middles = 0.5 * np.add(places[1:], places[:-1])[:, None]  # up to which margins reach
+        kept = np.ones(stations.shape, dtype=bool)
+        kept[:-1] = stations[:-1] < middles - 0.25 * spacing
+        kept[1:] &= stations[1:] >= middles - 0.01 * spacing
+        return cls(stations[kept], np.tile(values, (len(places), 1))[kept.ravel()])
 
     @cached_property
     def _spline(self) -> Array:

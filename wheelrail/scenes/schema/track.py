@@ -68,8 +68,27 @@ class SegmentTable(SceneTable):
         )
 
 
+class JointsTable(SceneTable):
+    """Dipped joints at distances m: parabolas of a length m on either side that meet at an angle, rad; by sides."""
+
+    at: Annotated[tuple[q.Distance, ...], Strict(False), Field(min_length=1), q.AtMost(1000)]
+    angle: q.JointAngle = 4e-3
+    length: q.JointLength = 1.0
+    sides: Sides = ("left", "right")
+
+    def irregularities(self, start: float = 0.0) -> Irregularities:
+        """Joints beyond a distance start, m. Raises ValueError for one before that and for joints that overlap."""
+        from wheelrail.vehicle.track.irregularity import JOINT_SAMPLES, MARGIN, Irregularities
+
+        first = start + self.length * (1.0 + MARGIN / JOINT_SAMPLES)
+        if self.at[0] < first:
+            raise ValueError(f"the first joint must be at {first:.4g} m at least, so that a run starts in equilibrium")
+        return Irregularities.joints(self.at, self.angle, self.length, self.sides)
+
+
 class IrregularityTable(SceneTable):
-    """Irregularities from a file, or from the spectrum ERRI B176 low or high with a seed, between two wavelengths, m.
+    """Irregularities from a file, from the spectrum ERRI B176 low or high with a seed, between two wavelengths, m, or
+    of joints.
 
     They are faded in over the first `fade` m. A measured file: the band of wavelengths that is kept, m, chord of the
     measurement or its parts behind and ahead, m, gaps of chainage, base of the twist, m.
@@ -81,6 +100,7 @@ class IrregularityTable(SceneTable):
     gaps: Literal["refuse", "close", "fade"] | None = None
     twist_base: q.Chord = 3.0
     spectrum: Literal["low", "high"] | None = None
+    joints: JointsTable | None = None
     seed: q.Seed = 0
     wavelengths: Annotated[tuple[q.Wavelength, q.Wavelength], Strict(False)] = (3.0, 100.0)
     fade: q.Fade = 10.0
@@ -112,14 +132,14 @@ class IrregularityTable(SceneTable):
 
     @model_validator(mode="after")
     def _consistent(self) -> IrregularityTable:
-        if (self.file is None) == (self.spectrum is None):
-            raise q.reject("exactly one of file and spectrum is required", "spectrum")
-        for key in ("seed", "wavelengths"):
-            if self.file is not None and key in self.model_fields_set:
-                raise q.reject("allowed only with spectrum", key)
-        for key in ("band", "chord", "gaps", "twist_base"):
-            if self.spectrum is not None and key in self.model_fields_set:
-                raise q.reject("allowed only with file", key)
+        if sum(own is not None for own in (self.file, self.spectrum, self.joints)) != 1:
+            raise q.reject("exactly one of file, spectrum and joints is required", "spectrum")
+        for needed, keys in (("spectrum", ("seed", "wavelengths")), ("file", ("band", "chord", "gaps", "twist_base"))):
+            for key in keys:
+                if getattr(self, needed) is None and key in self.model_fields_set:
+                    raise q.reject(f"allowed only with {needed}", key)
+        if self.joints is not None and "fade" in self.model_fields_set:
+            raise q.reject("allowed only with file or spectrum", "fade")
         for key in ("wavelengths", "band"):
             bounds = getattr(self, key)
             if isinstance(bounds, tuple) and not bounds[0] < bounds[1]:
@@ -141,6 +161,8 @@ class IrregularityTable(SceneTable):
         from wheelrail.vehicle.track.irregularity import Irregularities
         from wheelrail.vehicle.track.irregularity_spectrum import ERRI
 
+        if self.joints is not None:
+            return self.joints.irregularities(start)
         if self.file is not None:
             return Irregularities.faded(*read_irregularities(self.file, self.measurement), start=start, fade=self.fade)
         assert self.spectrum is not None
@@ -279,10 +301,11 @@ class TrackLine(RailsTable):
             raise q.reject(error.allowed, f"segments.{error.index}.{key}") from None
         if self.irregularities is not None:
             try:
-                if self.irregularities.file is not None:
+                if self.irregularities.spectrum is None:
                     self.irregularities.irregularities(self.length)
                 elif self.irregularities.fade > self.length:
                     raise ValueError(f"must be at most the track length of {self.length:g} m")
             except ValueError as error:
-                raise q.reject(str(error), "irregularities.fade") from None
+                key = "fade" if self.irregularities.joints is None else "joints.at"
+                raise q.reject(str(error), f"irregularities.{key}") from None
         return self
