@@ -47,6 +47,19 @@ def scene_with(table: str, text: str = STANDARD, folder: Path = ROOT) -> Wheelse
     return scene
 
 
+@pytest.mark.parametrize("back", [1.360, 1.300])
+def test_flanges_wider_than_the_gauge_are_refused(back: float) -> None:
+    """S1002 is 32.5 mm thick at 10 mm above the rolling circle: 5 mm of play at 1435 mm are 10 mm of the gauge."""
+    text = STANDARD.replace("flange_back_distance = 1.360", f"flange_back_distance = {back}")
+    wide, narrow = (text.replace("gauge = 1.435", f"gauge = {back + width:.4f}") for width in (0.0656, 0.0644))
+    side_profiles(scene_with("", wide))
+    with pytest.raises(
+        SceneError, match=rf"track\.gauge = {back + 0.0644:g}: must be at least {back + 0.065:.3f}"
+    ) as no:
+        side_profiles(scene_with("", narrow))
+    assert str(no.value).endswith("m, the width of the wheelset over its flanges")
+
+
 def test_alike_sides_share_one_model() -> None:
     for table in ("", "[profiles.left]", '[profiles.right]\nradius = 0.46\nfriction = 0.3\nwheel = "S1002"'):
         scene = scene_with(table)

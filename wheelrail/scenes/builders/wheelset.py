@@ -354,10 +354,16 @@ def mounted(scene: OnRails, rail: Profile) -> Mounting:
 def side_profiles(scene: OnRails) -> SideProfiles:
     """Profiles of wheel and inclined rail by side, with a log message for each profile from a file.
 
-    Raises SceneError for one that cannot be read.
+    Raises SceneError for one that cannot be read, and for a gauge into which the flanges do not fit.
     """
     left = inclined_profiles(scene)
     pairs = {"left": left, "right": left if scene.sides_alike else inclined_profiles(scene, "right")}
+    axle, gauge = scene.wheelset, scene.track.gauge
+    thickness = [pair[0].measures(flange_back=axle.flange_back).Sd for pair in pairs.values()]  # type: ignore[union-attr]
+    width = axle.flange_back_distance + sum(thickness)  # NaN without flanges
+    if gauge < width:
+        text = f"must be at least {width:.4f} m, the width of the wheelset over its flanges"
+        raise SceneError(f"track.gauge = {gauge:g}: {text}")
     measurements = (profile.measurement for pair in pairs.values() for profile in pair)
     for message in dict.fromkeys(str(measurement) for measurement in measurements if measurement is not None):
         log.info("%s", message)
