@@ -64,5 +64,5 @@ def test_wild_states_stay_within_arrays(sanitized: dict[str, str]) -> None:
 
 def test_contacts_have_the_same_bits_and_stay_within_arrays(sanitized: dict[str, str]) -> None:
     here = {"PYTHONPATH": str(ROOT), "WHEELRAIL_CORE": str(bindings.build())}
-    command = sys.executable, CONTACTS, "11", "9"  # two, the first one is wild; a minute
+    command = sys.executable, CONTACTS, "11", "9"  # two, the first one is wild
     assert output(*command, **sanitized) == output(*command, **here)
