@@ -21,6 +21,7 @@ from wheelrail.support.cache import cache_folder
 
 SCENES = Path(__file__).parents[2] / "scenes"
 FILES = {"scene": str(SCENES / "vehicle.toml"), "vehicle": str(SCENES / "manchester_vehicle.toml")}
+ELASTIC = {"scene": str(SCENES / "vehicle_elastic.toml"), "vehicle": FILES["vehicle"]}
 LAW = {"name": "usfd", "scale": 0.18}
 SHARP = {"curvature": 1.0 / 600.0, "cant": 0.1, "speed": 25.0}
 WIDE = {"curvature": 1.0 / 1200.0, "cant": 0.06, "speed": 35.0}
@@ -80,6 +81,40 @@ def _cached() -> int:
     return sum(1 for _ in cache_folder().rglob("*.npz"))
 
 
+def _curves(wide: float, sharp: float, keys: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Cases of R = 1200 and 600 m at two speeds with shares each; keys of their scenes."""
+    speeds = (WIDE, wide, 35.0), (WIDE, wide, 30.0), (SHARP, sharp, 25.0), (SHARP, sharp, 20.0)
+    return [
+        {"share": share, "steady": {**steady, "speed": speed}, "both_hands": True, "set": keys}
+        for steady, share, speed in speeds
+    ]
+
+
+def _resident() -> float:
+    """Memory of this process, MB."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
+    return pages * resource.getpagesize() / 2.0**20
+
+
+def resolutions(until: float) -> None:
+    """Depth after a distance m in four curves by strips, cells and steps, printed.
+
+    Differences are those from 6 strips of 8 cells, RMS over the profile.
+    """
+    print("\n| strips | cells | step mm | steps | processor s | section mm2 | deepest mm | Sd mm | differs % |")
+    print("|---" * 9 + "|")
+    first = None
+    for strips, cells, depth in (6, 8, 1e-4), (4, 6, 1e-4), (4, 6, 2e-4):
+        begun, keys = process_time(), {**CONTACTS["condensed"], "strips": strips, "cells": cells}
+        data = worn(*_curves(0.35, 0.15, keys), scene=ELASTIC["scene"], until=until, depth=depth)
+        end = data["depth"].values[-1, 0]
+        first = end if first is None else first
+        figures = [1e3 * depth, data.sizes["step"] - 1, process_time() - begun]
+        figures += [1e6 * float(data["removed_section"][-1, 0]), 1e3 * end.max(), 1e3 * float(data["Sd"][-1, 0])]
+        figures.append(100.0 * float(np.linalg.norm(end - first) / np.linalg.norm(first)))
+        print(f"| {strips} | {cells} | " + " | ".join(f"{value:.4g}" for value in figures) + " |", flush=True)
+
+
 def duty(until: float, **more: Any) -> Dataset:
     """Wear of the Manchester vehicle on straight irregular track and in four curves, printed by step.
 
@@ -88,12 +123,6 @@ def duty(until: float, **more: Any) -> Dataset:
         more: keys of the wear file in place of elastic contact of curves and lifted wheels of the straight.
     """
 
-    def curve(share: float, radius: float, cant: float, speed: float) -> dict[str, Any]:
-        steady = {"curvature": 1.0 / radius, "cant": cant, "speed": speed}
-        return {"share": share, "steady": steady, "both_hands": True, "set": keys}
-
-    keys = {} if more.get("contact") == {} else CONTACTS["condensed"]
-
     straight = {
         "share": 0.4,
         "name": "straight",
@@ -101,17 +130,15 @@ def duty(until: float, **more: Any) -> Dataset:
         "start": 50.0,
         "set": {"track.segments": [{"kind": "tangent", "length": 160.0}]},
     }
-    curves = [curve(0.2, 1200.0, 0.06, 35.0), curve(0.2, 1200.0, 0.06, 30.0)]
-    curves += [curve(0.1, 600.0, 0.10, 25.0), curve(0.1, 600.0, 0.10, 20.0)]
+    keys = {} if more.get("contact") == {} else CONTACTS["condensed"]
     table = {
-        "scene": str(SCENES / "vehicle_elastic.toml"),
-        "vehicle": FILES["vehicle"],
+        **ELASTIC,
         "law": LAW,
         "until": until,
         "depth": 1e-4,
         "interval": 6.0,
         "contact": "condensed",
-        "duty": [straight, *curves],
+        "duty": [straight, *_curves(0.2, 0.1, keys)],
         **more,
     }
     print("\n| step | km | max mm | Sh | Sd | qR | conicity | error % | s | processor s | MB |\n" + "|---" * 11 + "|")
@@ -125,7 +152,7 @@ def duty(until: float, **more: Any) -> Dataset:
         figures = [1e-3 * float(last["distance"]), 1e3 * float(last["depth"].max())]
         figures += [1e3 * float(last[name].values[0]) for name in ("Sh", "Sd", "qR")]
         figures += [float(last["conicity"]), 100.0 * float(last["step_error"].values[0])]
-        figures += [now[0] - clock[0], now[1] - clock[1], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0]
+        figures += [now[0] - clock[0], now[1] - clock[1], _resident()]
         print(f"| {number - 1} | " + " | ".join(f"{value:.4g}" for value in figures) + " |", flush=True)
         clock[:] = now
 

@@ -2,8 +2,9 @@
 
     python -m benchmarks.wear [NUMBER ...] [--json FILE]
     python -m benchmarks.wear --duty KM [--contact NAME] [--depth M]
+    python -m benchmarks.wear --resolutions KM
 
-Numbers choose checks; the second form times the wear of a duty, step by step.
+Numbers choose checks; the second form times the wear of a duty, step by step; the third compares strips, cells, steps.
 """
 
 from __future__ import annotations
@@ -42,6 +43,9 @@ def main() -> None:
     parser.add_argument("numbers", nargs="*", type=int, metavar="NUMBER", help=f"of {', '.join(map(str, CHECKS))}")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures to a file")
     parser.add_argument("--duty", type=float, metavar="KM", help="time the wear of a duty over a distance")
+    parser.add_argument(
+        "--resolutions", type=float, metavar="KM", help="compare strips, cells and steps in four curves"
+    )
     parser.add_argument("--contact", default="condensed", metavar="NAME", help="of the duty: standard or condensed")
     parser.add_argument("--depth", type=float, default=1e-4, metavar="M", help="largest of a step of the duty")
     arguments = parser.parse_args()
@@ -49,6 +53,9 @@ def main() -> None:
         parser.error(f"no check {min(unknown)}; there are {', '.join(map(str, CHECKS))}")
     logging.disable(logging.WARNING)
     print(machine_description())
+    if arguments.resolutions is not None:
+        loop.resolutions(1e3 * arguments.resolutions)
+        return
     if arguments.duty is not None:
         standard = {"scene": loop.FILES["scene"], "contact": {}} if arguments.contact == "standard" else {}
         loop.duty(1e3 * arguments.duty, depth=arguments.depth, **standard)

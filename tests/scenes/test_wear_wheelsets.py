@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from xarray import Dataset
 
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.results.vehicle_contact import ContactsByWheelset
@@ -81,9 +82,30 @@ def test_a_turned_vehicle_exchanges_its_ends() -> None:
     assert abs(turned - plain).max() > 0.2 * plain.max()
 
 
+@cache
+def worn_wheels() -> Dataset:
+    """Wheels after 200 km."""
+    return WearLoop(duty("wheels", until=2e5)).run()
+
+
+def test_wheelsets_are_turned_at_their_own_limits() -> None:
+    """Of both wheels of a wheelset one is beyond the limit; all others go on as without limits."""
+    heights = worn_wheels()["Sh"].values
+    limit = float(heights[-1].max() - 1e-7)
+    assert (heights > limit).sum() == 1
+    beyond = int(heights[-1].argmax())
+    data = WearLoop(duty("wheels", until=2e5, reprofile={"Sh": limit, "apart": True})).run()
+    due = np.arange(8) // 2 == beyond // 2
+    assert not data["turned"].values[:-1].any()
+    np.testing.assert_array_equal(data["turned"].values[-1], due)
+    assert not data["depth"].values[-1, due].any()
+    assert data["depth"].values[-2, due].any()
+    np.testing.assert_array_equal(data["depth"].values[-1, ~due], worn_wheels()["depth"].values[-1, ~due])
+
+
 def test_wheels_run_on_their_own_worn_profiles() -> None:
     """T-gamma at the second step is that of a vehicle whose wheels are given one by one."""
-    data = WearLoop(duty("wheels", until=2e5)).run()
+    data = worn_wheels()
     scene = load_scene(FILES["scene"])
     assert isinstance(scene, RunScene)
     bounds = duty("wheels").unworn()["wheelset_1, left"].grid.bounds
@@ -140,3 +162,8 @@ def test_wheels_on_elastic_axles_wear_as_in_their_equilibrium() -> None:
 def test_bad_files(profiles: str, contact: Mapping[str, Any], says: str) -> None:
     with pytest.raises(SceneError, match=says):
         duty(profiles, case={"set": {"contacts.a": {"wheelsets": ["wheelset_2"], **contact}}})
+
+
+def test_sides_are_not_turned_apart() -> None:
+    with pytest.raises(SceneError, match='apart = true: allowed only with profiles = "wheelsets" or "wheels"'):
+        duty("sides", reprofile={"Sd": 26e-3, "apart": True})

@@ -76,14 +76,18 @@ WEAR: Schema = {
     "rail_section": Quantity(OF_RAIL, "m2", "removed section of a rail", label="section", shown="mm²", digits=2),
     "W1": Quantity(OF_RAIL, "m", "vertical wear of a rail", label="W1", shown="mm", digits=3),
     "W3": Quantity(OF_RAIL, "m", "side wear of a rail, 14 mm below its new top", label="W3", shown="mm", digits=3),
-    "turned": Quantity((), "1", "number of times the wheels were turned to the new profile"),
+    "turned": Quantity(OF_PROFILE, "1", "number of times that the wheels were turned to the new profile"),
     "seconds": Quantity((), "s", "computing time"),
 }
 MEASURES = ("Sh", "Sd", "qR", "hollow", "rolling_radius", "removed_section", "removed_mass")
 
 
 def state_values(
-    profiles: Mapping[str, WearingProfile], measures: Sequence[Any], distance: float, conicity: float, turned: int
+    profiles: Mapping[str, WearingProfile],
+    measures: Sequence[Any],
+    distance: float,
+    conicity: float,
+    turned: Sequence[int],
 ) -> dict[str, Any]:
     """Values of the profiles at a distance, m.
 
@@ -92,11 +96,11 @@ def state_values(
         measures: `WheelMeasures` of each.
         distance: m.
         conicity: of the wheelset.
-        turned: number of reprofilings.
+        turned: number of reprofilings of each.
     """
     return {
         "distance": distance,
-        "turned": turned,
+        "turned": np.array(turned),
         "conicity": conicity,
         "removed_area": np.stack([own.removed for own in profiles.values()]),
         "depth": np.stack([own.depth for own in profiles.values()]),

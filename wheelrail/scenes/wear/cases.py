@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -244,6 +244,12 @@ class Duty:
         names = {"one": "wheel", "sides": own, "wheelsets": wheelset, "wheels": f"{wheelset}, {own}"}
         return names[self.table.profiles]
 
+    def turned_with(self, names: Collection[str]) -> list[str]:
+        """Profiles of all wheelsets of the named profiles."""
+        wheels = [(wheelset, self.profile_of(wheelset, side)) for wheelset, side in self.cases[0].wheels]
+        wheelsets = {wheelset for wheelset, name in wheels if name in names}
+        return list(dict.fromkeys(name for wheelset, name in wheels if wheelset in wheelsets))
+
     def unworn(self) -> dict[str, WearingProfile]:
         """The new profiles by name."""
         names = dict.fromkeys(self.profile_of(*wheel) for wheel in self.cases[0].wheels)
@@ -351,6 +357,7 @@ class Duty:
         key = _contact_keys(scene), wheelset, *names
         earlier = "".join(made.renewed[name].present.digest() for name in names)
         if key not in self._bodies or self._bodies[key][0] != earlier:
+            self._bodies.pop(key, None)  # before the next, which takes as much memory
             pairs = self.pairs(case, wheelset, {name: own.present for name, own in made.renewed.items()})
             bodies = wheelset_contact(scene.contact_of(wheelset), pairs, made.models)
             self._bodies[key] = earlier, bodies.of(side).model.operators  # type: ignore[attr-defined]

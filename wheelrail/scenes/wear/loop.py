@@ -60,7 +60,7 @@ class WearState:
         profiles: by name.
         renewed: those that the compliance of the bodies is of.
         distance: m.
-        turned: number of reprofilings.
+        turned: number of reprofilings by profile, if any.
         solved: distances, m, and rates of the last two solves of each case, at most.
         rails: those that wear, by name.
         before: area rates (profiles, n) m of the last two steps, at most; none after a reprofiling.
@@ -69,7 +69,7 @@ class WearState:
     profiles: dict[str, WearingProfile]
     renewed: dict[str, WearingProfile]
     distance: float = 0.0
-    turned: int = 0
+    turned: Mapping[str, int] = field(default_factory=dict)
     rails: dict[str, WearingRail] = field(default_factory=dict)
     solved: Mapping[str, tuple[tuple[float, CaseRates], ...]] = field(default_factory=dict)
     before: tuple[Array, ...] = ()
@@ -232,7 +232,8 @@ class WearLoop:
     def _measured(self, state: WearState) -> dict[str, Any]:
         """Values of the profiles of a state."""
         conicity = float(np.mean(self._conicities(state)))
-        wheels = state_values(state.profiles, self._measures(state), state.distance, conicity, state.turned)
+        turned = [state.turned.get(name, 0) for name in state.profiles]
+        wheels = state_values(state.profiles, self._measures(state), state.distance, conicity, turned)
         passages = 0.0 if self.duty.table.rails is None else state.distance * self.duty.table.rails.passages
         return wheels | rail_state_values({name: rail.profile for name, rail in state.rails.items()}, passages)
 
@@ -341,24 +342,27 @@ class WearLoop:
             }
         before = (*state.before[-1:], step["area_rate"].values)
         after = replace(state, profiles=profiles, rails=rails, distance=reached, before=before)
-        if table.reprofile is not None and self._worn_out(after):
+        if turning := self._worn_out(after):
             unworn = self.duty.unworn()
-            after = replace(after, profiles=unworn, turned=state.turned + 1, solved={}, before=())
+            profiles = after.profiles | {name: unworn[name] for name in turning}
+            turned = {**state.turned, **{name: state.turned.get(name, 0) + 1 for name in turning}}
+            after = replace(after, profiles=profiles, turned=turned, solved={}, before=())
             return replace(after, renewed=after.surfaces)
         depth = max(float(np.max(own.depth - state.renewed[name].depth)) for name, own in after.surfaces.items())
         return replace(after, renewed=after.surfaces) if depth > table.renew else after
 
-    def _worn_out(self, state: WearState) -> bool:
-        """Whether a measure is beyond its limit."""
+    def _worn_out(self, state: WearState) -> list[str]:
+        """Profiles that are due to be turned, as measures are beyond their limits."""
         limits = self.duty.table.reprofile
-        assert limits is not None
+        if limits is None:
+            return []
         beyond = [
-            sign * (getattr(own, name) - limit) > 0.0
+            profile
+            for profile, own in zip(state.profiles, self._measures(state), strict=True)
             for name, sign in (("Sd", -1.0), ("qR", -1.0), ("Sh", 1.0), ("hollow", 1.0))
-            if (limit := getattr(limits, name)) is not None
-            for own in self._measures(state)
+            if (limit := getattr(limits, name)) is not None and sign * (getattr(own, name) - limit) > 0.0
         ]
-        return any(beyond)
+        return self.duty.turned_with(beyond) if limits.apart or not beyond else list(state.profiles)
 
 
 def _rates(step: Mapping[Any, Any], number: int) -> ProfileRates:
