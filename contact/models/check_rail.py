@@ -23,14 +23,16 @@ import numpy as np
 
 from wheelrail.contact.analytical.point_contact import point_contact
 from wheelrail.contact.geometry.flange_back import CheckRail, FlangeBack
-from wheelrail.contact.kinematics.frames import Pose, RigidMotion
+from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.varied_pair import STEP, VariedPair, cross, curvature_of, dot, unit
+from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.contact.solvers.tangent import ContactTangent
 from wheelrail.support.arrays import Array
 
 WIDEST = 0.7  # sine of the angle along the edge to which contacts are searched
 ANGLES = np.linspace(-np.arcsin(WIDEST), np.arcsin(WIDEST), 91)
+ROOM = 5e-4  # m, more than the neglected squares of yaw and roll
 NEAR = 0.02  # of the edge's radius, above the check rail
 CLOSE = 1e-9  # rad, last change of an angle by Newton's method, before the last steps
 LAST = 4  # of these steps for derivatives; the slope errs by 1e-4, of a real angle one suffices
@@ -82,6 +84,20 @@ class CheckRailContact:
     def rubbing(self, factor: float) -> CheckRailContact:
         """The model with its coefficient of friction times a factor."""
         return replace(self, friction=factor * self.friction)
+
+    def clears(self, mounting: Mounting, state: WheelsetState, side: Side) -> bool:
+        """Whether the check rail of a side is too far for any contact, by a quick bound for rigid axles and rails.
+
+        Parameters:
+            mounting: of the side.
+            state: of the wheelset.
+            side: of the check rail.
+        """
+        hand, k = (1.0 if side == "left" else -1.0), state.frame_rate[2] / state.speed if state.speed else 0.0
+        y = state.y if state.rail_shift is None else state.y - state.rail_shift[0 if side == "left" else 1][0]
+        gap = hand * y + mounting.wheel_y + self.back.y - mounting.rail_y - self.rail.y
+        reach = WIDEST * self._edge + mounting.wheel_y * abs(state.yaw)
+        return gap > reach * (abs(state.yaw) + 0.5 * abs(k) * reach) + self._edge * abs(state.roll) + ROOM
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         gap = self._least_gap(pose, motion)

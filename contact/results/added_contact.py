@@ -41,13 +41,20 @@ class AddedContact(WrappedContact):
         contact: of the first pair, whose fields, approach and warm starts are those of the sum.
         other: of the second pair, which needs no guess.
         sides: with a second pair.
+        clears: whether the second pair of a side is open at a state, where that is known without solving it.
 
     Results of an open second pair are those of the first one.
     """
 
-    def __init__(self, contact: VehicleContact, other: VehicleContact, sides: Sequence[Side] = SIDES) -> None:
+    def __init__(
+        self,
+        contact: VehicleContact,
+        other: VehicleContact,
+        sides: Sequence[Side] = SIDES,
+        clears: Callable[[WheelsetState, Side], bool] = lambda state, side: False,
+    ) -> None:
         super().__init__(contact)
-        self.other, self.sides = other, tuple(sides)
+        self.other, self.sides, self.clears = other, tuple(sides), clears
 
     @property
     def model(self) -> object:
@@ -56,10 +63,10 @@ class AddedContact(WrappedContact):
 
     def changed(self, change: Callable[[Any], Any]) -> AddedContact:
         """The contact with the models of the first pair changed by a function."""
-        return AddedContact(self.contact.changed(change), self.other, self.sides)  # type: ignore[attr-defined]
+        return AddedContact(self.contact.changed(change), self.other, self.sides, self.clears)  # type: ignore[attr-defined]
 
     def rubbing(self, factor: float) -> AddedContact:
-        return AddedContact(self.contact.rubbing(factor), self.other.rubbing(factor), self.sides)
+        return AddedContact(self.contact.rubbing(factor), self.other.rubbing(factor), self.sides, self.clears)
 
     @property
     def concurrent(self) -> bool:
@@ -71,8 +78,10 @@ class AddedContact(WrappedContact):
         first = self.contact.solve_side(states, side, guesses)
         if side not in self.sides:
             return first
-        second = self.other.solve_side(states, side, [None] * len(states))
-        return [_sum(*pair) for pair in zip(first, second, strict=True)]
+        return [
+            own if self.clears(state, side) else _sum(own, self.other(state, side))
+            for own, state in zip(first, states, strict=True)
+        ]
 
     def side_tangents(self, states: Sequence[WheelsetState], side: Side, results: Sequence[ContactResult]) -> Array:
         parts = [own.parts if isinstance(own := result.force_tangent, _Parts) else None for result in results]

@@ -225,6 +225,13 @@ def test_depths_of_random_shapes(seed: int) -> None:
     y = brentq(lambda y: depth(y) - 2e-5, -0.03, 0.03, xtol=1e-12)
     result = own(replace(state, y=y), "left")
     assert result.status == "converged"
+    shift = ((1e-3, 0.0), (0.0, 0.0))
+    for side, touching_state in (
+        ("left", replace(state, y=y + 1e-3, rail_shift=shift)),
+        ("right", replace(state, y=y).mirrored()),
+    ):
+        assert not model.clears(own.mounting, touching_state, side)  # type: ignore[arg-type]
+    assert model.clears(own.mounting, replace(state, y=0.1), "left")
     assert result.approach == pytest.approx(2e-5, abs=2e-6)  # along the normal, not in the section
     assert all(patch.frictional_power > 0.0 for patch in result.patches)
 

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from wheelrail.scenes.schema.errors import SceneError
 
 if TYPE_CHECKING:
-    from wheelrail.contact.kinematics.wheelset_state import Mounting
+    from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
     from wheelrail.contact.models.wheelset import WheelsetContact
     from wheelrail.contact.results.vehicle_contact import VehicleContact
     from wheelrail.meshes.profiles.profile import Profile
@@ -42,9 +43,17 @@ def with_check_rails(
         rigid = contact.contact if moving else contact
         made = {side: _side(scene, named, side, pairs[side][0], rigid.of(side).mounting) for side in table.sides}
         added = replace(next(iter(made.values())), right=made.get("right"))
-        other = FlexibleContact(added, contact.flexibility) if moving else added
-        out[id(named)] = AddedContact(contact, other, table.sides)
+        if moving:
+            out[id(named)] = AddedContact(contact, FlexibleContact(added, contact.flexibility), table.sides)
+        else:
+            out[id(named)] = AddedContact(contact, added, table.sides, partial(_clears, made))
     return out
+
+
+def _clears(made: Mapping[Side, WheelsetContact], state: WheelsetState, side: Side) -> bool:
+    """Whether the check rail of a side is too far from a wheelset; made: contacts by side."""
+    own = made[side]
+    return own.model.clears(own.mounting, state, side)  # type: ignore[attr-defined,no-any-return]
 
 
 def _side(scene: RunScene, named: OnRails, side: Side, wheel: Profile, mounting: Mounting) -> WheelsetContact:
