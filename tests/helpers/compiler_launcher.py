@@ -26,16 +26,12 @@ def wording(command: list[str], sources: Path, build: Path) -> str:
 def compiled() -> dict[str, Path]:
     """Objects of the build beside the sources by their commands; none if one of them is out of date."""
     ninja = [str(Path(sys.executable).with_name("ninja")), "-C", str(BINDINGS)]
-    pending = subprocess.run([*ninja, "-n", "all", "library"], check=False, capture_output=True, text=True)
-    if "no work to do" not in pending.stdout:
-        return {}
-    listed = subprocess.run([*ninja, "-t", "commands", "all", "library"], check=True, capture_output=True, text=True)
-    commands = [line.split() for line in listed.stdout.splitlines() if " -c " in line]
-    return {
-        wording(command, BINDINGS, BINDINGS): BINDINGS / command[command.index("-o") + 1]
-        for command in commands
-        if "-o" in command
-    }
+    listed = subprocess.run([*ninja, "-t", "commands", "all", "library"], check=False, capture_output=True, text=True)
+    commands = [line.split() for line in listed.stdout.splitlines() if " -c " in line and " -o " in line]
+    objects = {wording(own, BINDINGS, BINDINGS): own[own.index("-o") + 1] for own in commands}
+    pending = subprocess.run([*ninja, "-n", *objects.values()], check=False, capture_output=True, text=True)
+    current = bool(objects) and "no work to do" in pending.stdout
+    return {name: BINDINGS / file for name, file in objects.items()} if current else {}
 
 
 def listed_once(build: Path) -> dict[str, str]:
