@@ -216,6 +216,22 @@ class Run:
         """Coefficient of friction of a wheelset at a distance m of its own."""
         return self.friction * (0.5 if wheelset in self.named else 1.0) * self.rubbing(distance)[0]
 
+    def turn(self, wheelset: str, low: float, high: float) -> float:
+        """Range rad of the normals of a wheel between places y m of its profile."""
+        y, angle = self._angles["" if wheelset not in self.named else "named"]
+        first, last = np.searchsorted(y, (low, high))
+        return float(np.ptp(angle[max(first - 2, 0) : last + 2]))
+
+    @cached_property
+    def _angles(self) -> dict[str, tuple[Array, Array]]:
+        """Places y of chords of the wheels' profiles, from the flange's tip on, and the chords' angles."""
+        found = {}
+        for name, shape in (("", self.pair[0]), ("named", wheel("S1002"))):
+            points = shape.points[int(np.argmax(shape.points[:, 1])) :]
+            step = np.diff(points, axis=0)
+            found[name] = 0.5 * (points[1:, 0] + points[:-1, 0]), np.arctan2(step[:, 1], step[:, 0])
+        return found
+
     def wheelset(self, of_wheel: Shape, of_rail: Shape, friction: float) -> WheelsetContact:
         """Contact of a pair of profiles."""
         more = {"model": "standard"}

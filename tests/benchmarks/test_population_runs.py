@@ -165,6 +165,13 @@ def test_friction_of_another_place_or_wheelset_is_found(event: str) -> None:
     assert list(faults(own, own, None, at_event(event))) == []
 
 
+def test_normals_of_a_flange_root_and_of_a_tread() -> None:
+    """The root of S1002 turns from the tread to 70 degrees; a patch of 10 mm on the crown of a tread by little."""
+    own = at_event("curve")
+    assert 1.0 < own.turn("wheelset_1", -0.042, -0.025) < 1.25
+    assert own.turn("wheelset_1", -0.005, 0.005) < 0.05
+
+
 def test_moments_between_wheels_that_turn_by_themselves() -> None:
     run, own = at_curve("independent wheels, curve"), at_event("independent wheels, curve")
     assert spin(run, own.turning) < 2e-3
