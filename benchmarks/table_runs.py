@@ -1,4 +1,4 @@
-"""Runs of Manchester 1 on tables of forces: with a border to elastic contact, and in the inner stages of steps.
+"""Runs of Manchester 1 on tables of forces with a border to elastic contact, and with contacts solved once a step.
 
 Each yields rows for `benchmarks.vehicle_complete`: name, value, expected value, largest difference.
 """
@@ -18,7 +18,7 @@ from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.vehicle_contact import VehicleContact
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER
-from wheelrail.scenes.builders.wheelset import run_contact, stages_contact
+from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.runs.run import simulate_on_track, vehicle_for_run
 from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse, read_text
@@ -61,20 +61,14 @@ def elastic() -> WheelsetContact:
     return contact().changed(lambda model: model.elastic)  # type: ignore[attr-defined]
 
 
-@cache
-def table() -> VehicleContact | None:
-    """The table alone, for inner stages."""
-    own = scene("vehicle_irregular.toml")
-    return stages_contact(own.model_copy(update={"solver": own.solver.model_copy(update={"stages": "table"})}), ())
-
-
 def run(
-    own: RunScene, model: VehicleContact, seconds: float, stages: VehicleContact | None = None, every: float = EVERY
+    own: RunScene, model: VehicleContact, seconds: float, method: str = "rosenbrock", every: float = EVERY
 ) -> tuple[History, float]:
     """History of a run, and processor time s of this process."""
     start = process_time()
+    own = own.model_copy(update={"solver": own.solver.model_copy(update={"method": method})})
     vehicle = vehicle_for_run(own, MANCHESTER)
-    history = simulate_on_track(own, vehicle, model, seconds, Recording(every), lambda *_: None, None, stages)
+    history = simulate_on_track(own, vehicle, model, seconds, Recording(every), lambda *_: None)
     return history, process_time() - start
 
 
@@ -102,10 +96,14 @@ def irregular(seconds: float = 1.0) -> Iterator[Row]:
     """Class low at 45 m/s: errors against a tenth of the tolerances, solves, and processor time without rows."""
     own, tight = scene("vehicle_irregular.toml"), scene("vehicle_irregular.toml", 0.1)
     reference, _ = run(tight, elastic(), seconds)
-    runs = {"elastic": (elastic(), None), "stages": (elastic(), table()), "table": (contact(), None)}
-    found = {name: errors(run(own, *pair_of(pair, seconds))[0], reference) for name, pair in runs.items()}
-    bare = {name: run(own, *pair_of(pair, seconds), every=seconds) for name, pair in runs.items()}
-    begun = {name: run(own, *pair_of(pair, BEGIN), every=BEGIN)[1] for name, pair in runs.items()}
+    runs = {
+        "elastic": (elastic(), "rosenbrock"),
+        "once a step": (elastic(), "rosenbrock_ends"),
+        "table": (contact(), "rosenbrock"),
+    }
+    found = {name: errors(run(own, by, seconds, method)[0], reference) for name, (by, method) in runs.items()}
+    bare = {name: run(own, by, seconds, method, every=seconds) for name, (by, method) in runs.items()}
+    begun = {name: run(own, by, BEGIN, method, every=BEGIN)[1] for name, (by, method) in runs.items()}
     for name, (lateral, load) in found.items():
         history, spent = bare[name]
         yield f"irregular, {name}: RMS error of y, mm", lateral, 0.0, 0.2
@@ -113,15 +111,9 @@ def irregular(seconds: float = 1.0) -> Iterator[Row]:
         yield f"irregular, {name}: steps", float(history.cost.steps.accepted), 0.0, np.inf
         rate = (spent - begun[name]) / (seconds - BEGIN)
         yield f"irregular, {name}: processor s per s", rate, 0.0, 0.33 if name == "table" else np.inf
-    yield "loads, stages by table over elastic", found["stages"][1] / found["elastic"][1], 0.0, 1.1
-    yield "solves, stages by table over elastic", solves(bare["stages"][0]) / solves(bare["elastic"][0]), 0.0, 0.55
-
-
-def pair_of(
-    pair: tuple[VehicleContact, VehicleContact | None], seconds: float
-) -> tuple[VehicleContact, float, VehicleContact | None]:
-    """Arguments of a run from contact and stages."""
-    return pair[0], seconds, pair[1]
+    once, plain = found["once a step"], found["elastic"]
+    yield "errors of loads, once a step over elastic", once[1] / plain[1], 0.0, 1.1
+    yield "solves, once a step over elastic", solves(bare["once a step"][0]) / solves(bare["elastic"][0]), 0.0, 0.55
 
 
 def border(seconds: float = 0.8) -> Iterator[Row]:

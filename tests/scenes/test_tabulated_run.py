@@ -9,21 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from wheelrail.contact.models.lattice.model import LatticeContact
-from wheelrail.contact.models.table.model import TableContact
 from wheelrail.contact.models.table.tabulated import TabulatedContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.tables import samples
 from wheelrail.contact.tables.builder import NoSolution, TableBuilder
 from wheelrail.contact.tables.store import TaskStore
-from wheelrail.scenes.builders.wheelset import run_contact, stages_contact
+from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.example_scenes import example
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.schema.scene import RunScene, checked
 from wheelrail.scenes.schema.toml import parse
 
 STRIPS: dict[str, Any] = {"model": "condensed", "laws": "exact", "bodies": "half-space", "strips": 4, "cells": 6}
-STAGES = {"method": "rosenbrock", "stages": "table"}
 NARROW = {"y": 1e-3, "roll": 5e-4, "yaw": 5e-4, "load": 1e5, "tolerance": 0.1}
 
 
@@ -54,14 +51,6 @@ def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ({"tabulated": {"y": 0.1}}, "tabulated.y = 0.1"),
         ({"tabulated": {"load": 10.0}}, "tabulated.load = 10"),
         ({"tabulated": {"height": 1.0}}, "tabulated.height"),
-        (
-            {"solver": {**STAGES, "method": "rosenbrock4"}},
-            'allowed only with method = "rosenbrock"',
-        ),
-        (
-            {"solver": STAGES, "falling": {"share": 0.4, "rate": 0.6}},
-            'solver.stages = "table": allowed only with a constant',
-        ),
     ],
 )
 def test_what_cannot_be_tabulated_is_refused(changes: dict[str, Any], message: str) -> None:
@@ -107,14 +96,6 @@ def test_a_table_is_made_once_for_each_contact(
     assert np.array_equal(kept.friction.values, table.friction.values)
     assert np.array_equal(kept.normal.values, table.normal.values)
     assert len(list(own_cache.glob("forces_*.npz"))) == 1
-    staged = scene(tabulated=NARROW, solver=STAGES)
-    contact, stages = run_contact(staged, ["wheelset"])[0], stages_contact(staged, ["wheelset"])
-    assert isinstance(contact, WheelsetContact)
-    assert isinstance(stages, WheelsetContact)
-    assert isinstance(contact.model, LatticeContact)
-    assert isinstance(stages.model, TableContact)
-    assert np.array_equal(stages.model.table.normal.values, table.normal.values)
-    assert stages_contact(own, ["wheelset"]) is None
 
 
 @pytest.mark.parametrize(

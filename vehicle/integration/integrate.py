@@ -14,9 +14,9 @@ from wheelrail.vehicle.integration.explicit import ExplicitRungeKutta, Tableau
 from wheelrail.vehicle.integration.problem import (
     Damping,
     E,
+    Ends,
     Follow,
     Forcing,
-    Inner,
     Instant,
     Linearise,
     LongestStep,
@@ -25,10 +25,19 @@ from wheelrail.vehicle.integration.problem import (
     StepFailure,
     StepMethod,
 )
-from wheelrail.vehicle.integration.rosenbrock import ROSENBROCK, ROSENBROCK4, RosenbrockPair, RosenbrockW
+from wheelrail.vehicle.integration.rosenbrock import (
+    ROSENBROCK,
+    ROSENBROCK4,
+    ROSENBROCK_ENDS,
+    RosenbrockPair,
+    RosenbrockW,
+)
 from wheelrail.vehicle.integration.step_control import StepController, StepStatistics
 
-METHODS: dict[str, Tableau | RosenbrockPair] = {**EXPLICIT, **{pair.name: pair for pair in (ROSENBROCK, ROSENBROCK4)}}
+METHODS: dict[str, Tableau | RosenbrockPair] = {
+    **EXPLICIT,
+    **{pair.name: pair for pair in (ROSENBROCK, ROSENBROCK_ENDS, ROSENBROCK4)},
+}
 
 NextEnd = Callable[[float], float]
 
@@ -180,7 +189,7 @@ def integrate(
     next_end: NextEnd | None = None,
     longest: LongestStep[E] | None = None,
     settle: Settle | None = None,
-    inner: Inner[E] | None = None,
+    ends: Ends[E] | None = None,
 ) -> Iterator[Step[E]]:
     """Accepted steps of x' = rhs(t, x, previous).rate from t0 to t1.
 
@@ -201,14 +210,14 @@ def integrate(
         longest: the longest step s from a time, state and evaluation, up to a given one, whose stages do not overlook
             changes of the right-hand side over time; None: any.
         settle: moves internal variables without rates, such as sliders of friction, at the end of a step; None: none.
-        inner: right-hand side of the inner stages of implicit methods; None: that of all.
+        ends: solutions at the ends of steps, of implicit methods that ask for them, see `RosenbrockW`; None: none.
 
     Raises StepTooSmall below the smallest step, ValueError unless t1 > t0.
     """
     if not t1 > t0:
         raise ValueError(f"integrate: t0 = {t0:g} s, t1 = {t1:g} s: must satisfy t1 > t0")
     control, counts = settings.control, counts if counts is not None else StepStatistics()
-    trial_step, k = _method(rhs, settings.tableau, jacobian, counts, follow, inner), settings.tableau.error_order + 1
+    trial_step, k = _method(rhs, settings.tableau, jacobian, counts, follow, ends), settings.tableau.error_order + 1
     t, x = t0, np.array(x0, dtype=float)
     first = first or FirstStep()
     start, h, error_before = _initial(rhs, t, x, settings, first, counts)
@@ -266,11 +275,11 @@ def _method(
     jacobian: Linearise[E] | None,
     counts: StepStatistics,
     follow: Follow[E] | None,
-    inner: Inner[E] | None,
+    ends: Ends[E] | None,
 ) -> StepMethod[E]:
     if isinstance(tableau, Tableau):
         return ExplicitRungeKutta(rhs, tableau, counts)
-    return RosenbrockW(rhs, tableau, counts, jacobian, follow, inner)
+    return RosenbrockW(rhs, tableau, counts, jacobian, follow, ends)
 
 
 def _initial(

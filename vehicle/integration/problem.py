@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -68,8 +68,22 @@ LongestStep = Callable[[float, Array, E, float], float]
 Settle = Callable[[float, Array, float, Array], tuple[Array, Array]]
 
 
-# Right-hand side of the inner stages of a step, by the evaluation at its start and the linearisation there.
-Inner = Callable[[E, HasDerivatives], RightHandSide[E]]
+class EndSolution(Protocol[E]):
+    """A right-hand side that was solved at an end of a step: from there on to first order.
+
+    at: the same at another state, by its evaluation. missed: rates (2, n) that an evaluation within the step, at a
+    share of its length, lacks by the solutions at both ends: by values and slopes, and without the slope at the end.
+    """
+
+    def __call__(self, time: float, state: Array, previous: E | None) -> E: ...
+
+    def at(self, state: Array, there: E) -> EndSolution[E]: ...
+
+    def missed(self, time: float, state: Array, within: E, share: float, end: Any) -> Array: ...
+
+
+# Solution at the start of a step, by the state, the evaluation and the linearisation there; None: there is none.
+Ends = Callable[[Array, E, HasDerivatives], EndSolution[E] | None]
 
 
 class StepMethod(Protocol[E]):

@@ -14,9 +14,10 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.integration.problem import (
     Damping,
     E,
+    Ends,
+    EndSolution,
     Follow,
     HasDerivatives,
-    Inner,
     Linearise,
     RightHandSide,
     require_finite,
@@ -71,6 +72,11 @@ class RosenbrockCoefficients:
     def repeats(self) -> tuple[bool, ...]:
         """Whether each stage has the state of its predecessor, and needs no evaluation."""
         return (False, *(after == (*before, 0.0) for before, after in pairwise([(), *self.alpha])))
+
+    @cached_property
+    def within(self) -> list[int]:
+        """Stages that are evaluated within the step."""
+        return [i for i, node in enumerate(self.nodes) if 0.0 < node < 1.0 and not self.repeats[i]]
 
     @cached_property
     def stiffly_accurate(self) -> bool:
@@ -199,11 +205,14 @@ class RosenbrockPair:
     Parameters:
         name: of the pair.
         exact, approximate: coefficients.
+        ends: whether what is costly is solved at the ends of steps only, see `RosenbrockW`; of exact Jacobians, and of
+            methods with one stage within the step.
     """
 
     name: str
     exact: RosenbrockCoefficients
     approximate: RosenbrockCoefficients
+    ends: bool = False
 
     @property
     def error_order(self) -> int:
@@ -212,6 +221,7 @@ class RosenbrockPair:
 
 
 ROSENBROCK = RosenbrockPair("rosenbrock", ROS3PL, ROS34PW2)
+ROSENBROCK_ENDS = RosenbrockPair("rosenbrock_ends", ROS3PL, ROS34PW2, ends=True)
 ROSENBROCK4 = RosenbrockPair("rosenbrock4", SHAMPINE4, ROS34PW2)
 
 
@@ -234,7 +244,7 @@ class RosenbrockW(Generic[E]):
         counts: statistics to which evaluations and factorisations are added.
         jacobian: linearisation of the right-hand side.
         follow: motion from which the difference is integrated, of each step; None: zero.
-        inner: right-hand side of inner stages; None: that of all.
+        ends: solutions at the ends of steps, for a pair of methods that asks for them; None: there are none.
 
     Of a stiffly accurate method, stiff parts of the difference to the companion, which is not, are reduced by
     (1 - h g A)^-1 to the size that they have in the solution (section IV.8 there), and the evaluation at the new state
@@ -242,6 +252,12 @@ class RosenbrockW(Generic[E]):
     the rates of the forcing is known, is reduced alike, added to the solution, and counted: between stages a kink of a
     rail is a blow that no difference of theirs shows. Rates at the ends of a step contain
     stiff errors multiplied by their rate of decay: within the step they are damped, by 1 - (1 - (1 - h g A)^-1)^3.
+
+    With solutions at the ends of steps the right-hand side itself is evaluated once a step, in the last stage. The
+    stage within the step has that at the start to first order; what it lacks is cubic in time by values and slopes at
+    both ends, and the unknowns are corrected for it to first order. The difference to what the slope at the end does
+    not enter is an error. At the new state the right-hand side is that of the last stage to first order.
+
     Raises ValueError without a jacobian.
     """
 
@@ -250,10 +266,11 @@ class RosenbrockW(Generic[E]):
     counts: StepStatistics
     jacobian: Linearise[E] | None
     follow: Follow[E] | None = None
-    inner: Inner[E] | None = None
+    ends: Ends[E] | None = None
     linear: tuple[E, HasDerivatives] | None = field(default=None, init=False)
     last_stage: LastStage | None = field(default=None, init=False)
     damping: Damping | None = field(default=None, init=False)
+    solved: EndSolution[E] | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         if self.jacobian is None:
@@ -261,8 +278,8 @@ class RosenbrockW(Generic[E]):
 
     def __call__(self, t: float, x: Array, start: E, h: float) -> tuple[Array, Array, E]:
         linear = self._linear(t, x, start)
-        rhs = self.rhs if self.inner is None else self.inner(start, linear)
         method = self.methods.exact if linear.exact else self.methods.approximate
+        solved = self.ends(x, start, linear) if self.methods.ends and self.ends is not None else None
         evaluation, state, unknowns = start, x, np.zeros((method.stages, len(x)))
         solve = self._factorised(linear.by_state, h * method.diagonal)
         moved, by_time, acceleration = self._moved(t, x, start, linear)
@@ -273,10 +290,21 @@ class RosenbrockW(Generic[E]):
                 self.counts.evaluations += 1
                 rise, rate = moved(method.nodes[i] * h)
                 state = x + rise + method.shifts[i, :i] @ unknowns[:i]
+                rhs = solved if solved is not None and i in method.within else self.rhs
                 evaluation = rhs(t + method.nodes[i] * h, state, evaluation)
+                if rhs is solved:
+                    within = t + method.nodes[i] * h, state, evaluation, float(method.nodes[i])
             integral += h * method.weights[i] * rate
             coupling = (method.inverse[i, :i] / h) @ unknowns[:i]
             unknowns[i] = solve(evaluation.rate - rate - coupling + h * method.sums[i] * by_time)
+        self.solved, errors = None, list[Array]()
+        if solved is not None:
+            self.solved = solved.at(state, evaluation)
+            own, without = (
+                self._change(method, solve, linear.by_state, h, rates) for rates in solved.missed(*within, self.solved)
+            )
+            unknowns += own
+            errors = [solve(method.ends[0] @ (own - without) / (h * method.diagonal))]
         increment, difference = method.ends @ unknowns
         require_finite(increment, difference)
         rise, self.last_stage = moved(h)[0], None
@@ -294,12 +322,24 @@ class RosenbrockW(Generic[E]):
         new = x + rise + increment
         if self.follow is not None:
             missed = solve((integral - rise) / (h * method.diagonal))
-            new, difference = new + missed, np.stack([difference, missed])
-        return new, difference, evaluation
+            new, errors = new + missed, [missed, *errors]
+        return new, np.stack([difference, *errors]) if errors else difference, evaluation
+
+    @staticmethod
+    def _change(
+        method: RosenbrockCoefficients, solve: Callable[[Array], Array], by_state: Array, h: float, missed: Array
+    ) -> Array:
+        """Change (s, n) of the unknowns, to first order, by rates (n,) that the stage within the step has missed."""
+        change = np.zeros((method.stages, len(missed)))
+        for i in range(method.stages):
+            coupling = (method.inverse[i, :i] / h) @ change[:i]
+            own = missed if i in method.within else 0.0
+            change[i] = solve(own + by_state @ (method.shifts[i, :i] @ change[:i]) - coupling)
+        return change
 
     def end(self, t: float, x: Array, last: E) -> tuple[E, Array | None]:
         self.counts.evaluations += 1
-        evaluation = self.rhs(t, x, last)
+        evaluation = (self.solved or self.rhs)(t, x, last)
         if self.last_stage is None or self.linear is None:
             return evaluation, None
         change = self.linear[1].by_state @ (x - self.last_stage.state)

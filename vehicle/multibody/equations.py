@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -52,12 +52,14 @@ class VehicleEvaluation:
         contacts: results by wheelset and side.
         guess: results from which the contact solves started; None: none.
         states: of the wheelsets, each in the track frame at its own distance; None: not at hand.
+        solved: state (n,) nearby at which the contacts were solved, and the guess of these solves; None: at this state.
     """
 
     rate: Array
     contacts: WheelContacts
     guess: WheelContacts | None = None
     states: Mapping[str, WheelsetState] | None = None
+    solved: tuple[Array, WheelContacts | None] | None = None
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,6 @@ class VehicleDynamics:
         structure: axle and rails that move with the contact's loads, with k motions in all; the contact then is that of
             a `FlexibleState`. One for all wheelsets or one for each, None where both are rigid.
         loads: torques on the wheelsets and forces on the bodies.
-        stages: contact by tables of forces in the inner stages of the steps of a run, corrected to value and slope of
-            the contact at their start; None: the contact itself.
 
     A state (2 c + m + k,) has the parts of `Coordinates`, then the motions of the structures. Each body is described
     in the track frame at its own distance along the track. Raises ValueError for a speed that is not positive and
@@ -87,7 +87,6 @@ class VehicleDynamics:
     speed: float | SpeedProfile
     structure: Structure | Sequence[Structure | None] | None = None
     loads: AppliedLoads = NO_LOADS
-    stages: VehicleContact | None = None
 
     def __post_init__(self) -> None:
         _ = self.speed_profile, self.suspension.static_loads, self.applied, self.structures  # validates all
@@ -219,23 +218,21 @@ class VehicleDynamics:
         Raises StepFailure when a contact solve fails.
         """
         start = previous.contacts if guess is None and previous is not None else guess
-        return self.evaluated(time, state, start, self.element)
+        return replace(self.under(time, state, lambda states: self._solve_contacts(states, start)), guess=start)
 
-    def evaluated(
-        self, time: float, state: Array, start: WheelContacts | None, element: ContactElement[WheelsetState, Side]
+    def under(
+        self, time: float, state: Array, contacts_of: Callable[[Mapping[str, WheelsetState]], WheelContacts]
     ) -> VehicleEvaluation:
-        """Time derivative of a state with the contacts of an element, whose solves start from contact results.
-
-        Raises StepFailure as a call.
-        """
+        """Time derivative of a state under contacts by the states of the wheelsets."""
         _require_finite(state)
         travel = self.speed_profile(time)
         sections = self.bodies.sections(travel, state)
         states = self._wheelset_states(travel, state, sections)
-        contacts, c = self._solve_contacts(states, start, element), self.coordinates.count
+        contacts, c = contacts_of(states), self.coordinates.count
         accelerations = self._accelerations(travel, state, states, contacts, sections)
         structure = self._structure_rates(travel, state, states, contacts)
-        return VehicleEvaluation(np.concatenate([state[c : 2 * c], accelerations, structure]), contacts, start, states)
+        rate = np.concatenate([state[c : 2 * c], accelerations, structure])
+        return VehicleEvaluation(rate, contacts, states=states)
 
     @property
     def settle(self) -> Settle | None:
@@ -342,17 +339,16 @@ class VehicleDynamics:
     def solve_contacts(self, time: float, state: Array, guess: WheelContacts | None) -> WheelContacts:
         """Contacts of all wheels; raises StepFailure for a result that failed or is not finite."""
         _require_finite(state)
-        return self._solve_contacts(self.wheelset_states(time, state), guess, self.element)
+        return self._solve_contacts(self.wheelset_states(time, state), guess)
 
     def _solve_contacts(
         self,
         states: Mapping[str, WheelsetState],
         guess: WheelContacts | None,
-        element: ContactElement[WheelsetState, Side],
     ) -> WheelContacts:
         names, contacts = list(states), {name: dict[Side, ContactResult]() for name in states}
         starts = [guess[name] if guess else None for name in names]
-        for i, side, result in element.solve_states(list(states.values()), starts):
+        for i, side, result in self.element.solve_states(list(states.values()), starts):
             if not result.ok:
                 wheel = side if len(self.vehicle.wheelsets) == 1 else f"{names[i]}, {side}"
                 raise StepFailure(f"{wheel} contact: {result.status}")
@@ -363,7 +359,7 @@ class VehicleDynamics:
         self, name: str, wheelset: WheelsetState, guess: WheelContacts | None
     ) -> Mapping[Side, ContactResult]:
         """Both contacts of a wheelset; raises StepFailure as `solve_contacts`."""
-        return self._solve_contacts({name: wheelset}, guess, self.element)[name]
+        return self._solve_contacts({name: wheelset}, guess)[name]
 
     def accelerations(self, time: float, state: Array, wrenches: Array) -> Accelerations:
         """Accelerations under given contact forces.

@@ -35,6 +35,7 @@ class Checkpoint:
         error: of the last step, in tolerances.
         before: time s and state (n,) at the start of the last step; None: there is none.
         guess: warm starts of the contact solves at the state; None: none.
+        solved: state nearby at which the contacts were solved, and the warm starts of these solves; None: at the state.
         differences: contact tangents by differences; None: of a model that has its own, or not yet computed.
         cost: of the run so far.
         rows: recorded so far; the list is extended by the running simulation.
@@ -46,6 +47,7 @@ class Checkpoint:
     error: float
     before: Instant | None
     guess: WarmStarts | None
+    solved: tuple[Array, WarmStarts | None] | None
     differences: ContactDifferences | None
     cost: RunCost
     rows: Sequence[Row]

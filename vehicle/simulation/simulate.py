@@ -40,7 +40,8 @@ def simulate(
             speed, curvature, cant, torques and forces at the start, see `start_state`.
         steps: None: `IMPLICIT`. "ode23" and "ode45" are explicit and resolve the contact's 150 Hz and, where yaw is
             free, the fast decay of creep; "rosenbrock" is linearly implicit and uses the contact's tangent if it has
-            one, and so is "rosenbrock4", of higher order for sustained oscillations. Tolerances are best not too
+            one, "rosenbrock_ends" alike with contacts solved once a step, and so is "rosenbrock4", of higher order for
+            sustained oscillations. Tolerances are best not too
             small: smaller ones make steps resolve the wheelsets' vibration on the contacts at 50 to 250 Hz, which is
             hardly damped. atol: see `step_settings`.
         recording: rows and checkpoints. With a latest checkpoint the run resumes from it; all other arguments must

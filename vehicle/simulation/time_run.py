@@ -17,16 +17,16 @@ from wheelrail.support.interrupts import deferred_interrupts
 from wheelrail.vehicle.integration.integrate import FirstStep, Step, StepSettings, StepTooSmall, integrate
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.integration.step_control import StepStatistics
-from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation
+from wheelrail.vehicle.multibody.equations import VehicleDynamics, VehicleEvaluation, WheelContacts
 from wheelrail.vehicle.multibody.jacobian import VehicleJacobian
 from wheelrail.vehicle.simulation.checkpoint import Checkpoint, Checkpoints, WarmStarts
 from wheelrail.vehicle.simulation.contact_cost import ContactCost, CountedContact
+from wheelrail.vehicle.simulation.contacts_at_end import ContactsAtEnd
 from wheelrail.vehicle.simulation.excitation import Excitation
 from wheelrail.vehicle.simulation.history import RunCost
 from wheelrail.vehicle.simulation.limits import SLOWEST, Limits, OutOfBounds, describe_position
 from wheelrail.vehicle.simulation.rail_following import rail_following
 from wheelrail.vehicle.simulation.recorder import Observer, Recorder
-from wheelrail.vehicle.simulation.table_stages import TableStages
 from wheelrail.vehicle.steady.equilibrium import EquilibriumError
 from wheelrail.vehicle.steady.start_state import start_state
 
@@ -115,14 +115,14 @@ class TimeRun:
     def _first(self, at: Checkpoint) -> VehicleEvaluation:
         """Evaluation at a checkpoint, from its guess; it counts once, also when it is repeated for a resumed run."""
         dynamics = self.uncounted if at is self.latest else self.dynamics
-        guesses = None if at.guess is None else {n: dynamics.element.guesses(sides) for n, sides in at.guess.items()}
-        return dynamics(at.time, at.state, guess=guesses)
+        place, guess = (at.state, at.guess) if at.solved is None else at.solved
+        guesses = None if guess is None else {n: dynamics.element.guesses(sides) for n, sides in guess.items()}
+        there = dynamics(at.time, place, guess=guesses)
+        return there if at.solved is None else ContactsAtEnd.of(dynamics, place, there)(at.time, at.state, there)
 
-    def _warm_starts(self, evaluation: VehicleEvaluation) -> WarmStarts | None:
-        """Warm starts of the contact solves of an evaluation, as plain data."""
-        if evaluation.guess is None:
-            return None
-        return {name: self.dynamics.element.state_of(sides) for name, sides in evaluation.guess.items()}
+    def _warm_starts(self, guess: WheelContacts | None) -> WarmStarts | None:
+        """Warm starts of contact solves, as plain data."""
+        return None if guess is None else {n: self.dynamics.element.state_of(sides) for n, sides in guess.items()}
 
     @property
     def seconds(self) -> float:
@@ -147,7 +147,7 @@ class TimeRun:
     def _start(self, initial: Array | None) -> Checkpoint:
         time = self.span[0]
         state = start_state(self.dynamics, time) if initial is None else initial.astype(float)
-        return Checkpoint(time, state, None, 1.0, None, None, None, self.cost, self.recorder.rows)
+        return Checkpoint(time, state, None, 1.0, None, None, None, None, self.cost, self.recorder.rows)
 
     def _integrate(self, at: Checkpoint) -> None:
         """Integrates from a checkpoint to the end of the span."""
@@ -169,7 +169,7 @@ class TimeRun:
             next_end=self._next_end if self.dynamics.drifts else None,
             longest=Excitation(self.dynamics, float(np.min(self.steps.atol)), self.steps.output_tolerance).longest_step,
             settle=self.dynamics.settle,
-            inner=None if self.dynamics.stages is None else TableStages(self.dynamics, self.dynamics.stages),
+            ends=ContactsAtEnd.at_start(self.dynamics),
         )
         for count, step in enumerate(steps, start=1):
             if self._accept(step):
@@ -188,14 +188,15 @@ class TimeRun:
 
     def _checkpoint(self, step: Step[VehicleEvaluation], jacobian: VehicleJacobian) -> Checkpoint:
         """Checkpoint at the end of a step."""
-        self.cost.seconds = self.seconds
+        self.cost.seconds, solved = self.seconds, step.end.solved
         return Checkpoint(
             step.t,
             step.x,
             step.following,
             step.error,
             (step.t0, step.x0),
-            self._warm_starts(step.end),
+            self._warm_starts(step.end.guess),
+            None if solved is None else (solved[0], self._warm_starts(solved[1])),
             jacobian.differences,
             deepcopy(self.cost),
             self.recorder.rows,

@@ -43,11 +43,6 @@ class TabulatedContact:
         """The table alone, with a border."""
         return TableContact(self.table.bordered())
 
-    @property
-    def alone(self) -> TableContact:
-        """The table without a border, and without the elastic contact."""
-        return TableContact(self.table)
-
     def at_states(self, wheels: TableWheels, guesses: Sequence[ContactResult | None]) -> list[ContactResult | None]:
         """Results of wheels of a side, in the axes of the track; None where the elastic contact is to be solved."""
         results = list[ContactResult | None]()

@@ -12,7 +12,7 @@ from wheelrail.scenes.builders.laws import laws, material, standard_contact
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.profiles import Side
 from wheelrail.scenes.schema.scene import OnRails, RunScene, WheelsetScene
-from wheelrail.scenes.schema.tables import PadsTable, TabulatedTable
+from wheelrail.scenes.schema.tables import PadsTable
 
 if TYPE_CHECKING:
     from wheelrail.contact.geometry.first_contact import RigidWheelset
@@ -94,7 +94,7 @@ def run_contact(scene: RunScene, wheelsets: Sequence[str]) -> tuple[VehicleConta
         contacts[id(named)] = wheelset_contact(named, profiles[id(named)], models)
         if named.model == "table":
             log.info("%s: %s", named.table, contacts[id(named)].model.table)
-        if scene.tabulated is not None and scene.solver.stages == "contact" and named.has_elements:
+        if scene.tabulated is not None and named.has_elements:
             from wheelrail.scenes.builders.demanded_table import tabulated
 
             contacts[id(named)] = tabulated(scene, named, contacts[id(named)], profiles[id(named)])
@@ -138,28 +138,6 @@ def on_structures(
         for (keys, key), on in kinds.items()
     }
     return moving, tuple(structures[on.elastic_keys, key] for on, key in scenes)
-
-
-def stages_contact(scene: RunScene, wheelsets: Sequence[str]) -> VehicleContact | None:
-    """Contact of the inner stages of steps, by tables of the elastic contacts of a run; None: that of the run.
-
-    Errors as for `run_contact`, and RunFailed where a table cannot be made.
-    """
-    if scene.solver.stages == "contact":
-        return None
-    from wheelrail.contact.models.table.tabulated import TabulatedContact
-    from wheelrail.contact.results.vehicle_contact import ContactsByWheelset
-
-    solver = scene.solver.model_copy(update={"stages": "contact"})
-    keys = scene.tabulated or TabulatedTable()
-    found, _ = run_contact(scene.model_copy(update={"solver": solver, "tabulated": keys}), wheelsets)
-
-    def on_table(contact: Any) -> VehicleContact:
-        return contact.changed(  # type: ignore[no-any-return]
-            lambda model: model.alone if isinstance(model, TabulatedContact) else model
-        )
-
-    return found.changed(on_table) if isinstance(found, ContactsByWheelset) else on_table(found)
 
 
 def _by_wheelset(scene: RunScene, contacts: Mapping[int, VehicleContact]) -> VehicleContact:

@@ -78,6 +78,7 @@ def _usable(at: Checkpoint) -> bool:
         and isinstance(at.cost, RunCost)
         and (at.before is None or _is_instant(at.before, shape))
         and isinstance(at.guess, dict | None)
+        and (at.solved is None or (is_array(at.solved[0], shape) and isinstance(at.solved[1], dict | None)))
         and isinstance(at.rows, list)
         and all(isinstance(row, Row) and row.is_valid(shape) for row in at.rows)
     )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from wheelrail.scenes.builders.vehicle import applied_loads, run_track, vehicle_on
 from wheelrail.scenes.builders.vehicle_file import vehicle_text
-from wheelrail.scenes.builders.wheelset import run_contact, stages_contact
+from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.datasets.input_files import FILES, packed
 from wheelrail.scenes.datasets.result_table import Results
 from wheelrail.scenes.datasets.run_file import CHECKPOINTS, RESULTS
@@ -163,7 +163,6 @@ def _simulated(
     vehicle = vehicle_for_run(scene, file)
     with console.status("meshes and stiffness of wheel and rail"):
         contact, structures = run_contact(scene, vehicle.wheelsets)
-        stages = stages_contact(scene, vehicle.wheelsets)
     from wheelrail.vehicle.simulation.checkpoint import Checkpoints
     from wheelrail.vehicle.simulation.parallel_contact import in_threads
     from wheelrail.vehicle.simulation.time_run import Recording
@@ -180,7 +179,7 @@ def _simulated(
         progress_bar(console, length, start_distance) as progress,
     ):
         recording = Recording(scene.output.interval or None, checkpoints)
-        return simulate_on_track(scene, vehicle, parallel, end, recording, progress, structures, stages)
+        return simulate_on_track(scene, vehicle, parallel, end, recording, progress, structures)
 
 
 def vehicle_for_run(scene: RunScene, file: Path | None = None) -> Vehicle:
@@ -195,7 +194,7 @@ def vehicle_for_run(scene: RunScene, file: Path | None = None) -> Vehicle:
     """
     if file is None and scene.keys_of_vehicle_files:
         raise SceneError(f"{', '.join(scene.keys_of_vehicle_files)}: allowed only with a vehicle file (--vehicle)")
-    if file is not None and scene.solver.method not in ("rosenbrock", "rosenbrock4"):
+    if file is not None and not scene.solver.method.startswith("rosenbrock"):
         text = f'solver.method = "{scene.solver.method}": must be "rosenbrock" or "rosenbrock4" with a vehicle file'
         raise SceneError(f"{text}: the spin of its wheelsets on the creep forces is stiff")
     vehicle = vehicle_on(scene, file)
@@ -214,7 +213,6 @@ def simulate_on_track(
     recording: Recording,
     progress: Progress,
     structures: Sequence[Structure | None] | None = None,
-    stages: VehicleContact | None = None,
 ) -> History:
     """Motion of a vehicle along the track of a scene.
 
@@ -226,7 +224,6 @@ def simulate_on_track(
         recording: rows and checkpoints.
         progress: called at each accepted step.
         structures: axle and rails of each wheelset, where they are elastic.
-        stages: contact of the inner stages of steps, see `stages_contact`; None: that of all.
 
     A vehicle that runs free does so until it reaches the end of the track itself, or stops. Raises RunFailed when a
     kicked vehicle has no equilibrium to start from, and SceneError as `run_track`.
@@ -240,7 +237,7 @@ def simulate_on_track(
 
     rails, initial, until = run_track(scene, vehicle), None, inf
     loads = applied_loads(scene, vehicle)
-    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile, structures, loads, stages)
+    dynamics = VehicleDynamics(vehicle, rails, contact, scene.vehicle.speed_profile, structures, loads)
     if dynamics.runs_free:
         until = scene.track.length
         end = until / SLOWEST

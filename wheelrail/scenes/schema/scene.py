@@ -545,11 +545,9 @@ class RunScene(OnRails):
     @model_validator(mode="after")
     def _tabulable(self) -> RunScene:
         """Raises a validation error where forces of the elastic contacts are no function of pose and creepages."""
-        key = "tabulated" if self.solver.stages == "contact" else "solver.stages"
-        if self.tabulated is None and key == "tabulated":
+        if self.tabulated is None:
             return self
-        if key == "solver.stages" and self.solver.method != "rosenbrock":
-            raise q.reject('allowed only with method = "rosenbrock", which shows its errors', key)
+        key = "tabulated"
         own = [contact for contact in (self, *(self.contacts or {}).values()) if contact.has_elements]
         if not own or any(contact.model == "full" or contact.discretisation.points != "lattice" for contact in own):
             raise q.reject('allowed only with laws = "exact" and model = "condensed" on strips', key)

@@ -314,16 +314,12 @@ def _on_wheels(radius: float) -> Wagon:
 
 
 class SolverTable(SceneTable):
-    """Time integration method and tolerances; workers: threads that solve the contacts.
+    """Time integration method and tolerances; workers: threads that solve the contacts."""
 
-    stages: the contact itself in all stages of a step, or a table, corrected to its value and slope, in inner ones.
-    """
-
-    method: Literal["ode23", "ode45", "rosenbrock", "rosenbrock4"] = "ode23"
+    method: Literal["ode23", "ode45", "rosenbrock", "rosenbrock_ends", "rosenbrock4"] = "ode23"
     rtol: q.Tolerance = 1e-3
     atol: q.Tolerance = 1e-6
     workers: q.Threads = 1
-    stages: Literal["contact", "table"] = "contact"
 
 
 class TabulatedTable(SceneTable):
