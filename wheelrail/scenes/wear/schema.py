@@ -19,7 +19,7 @@ from wheelrail.scenes.schema.toml import parse, read_text
 from wheelrail.support.text_file import present
 
 # Keys of a named contact, the fewest strips and cells: 6 and 8 take 2.4 times as long, and change the depth by 3 % RMS
-# after 20 000 km in four curves, steps of twice the depth by 11 %.
+# after 20 000 km in four curves, steps of twice the depth by 15 %.
 CONTACTS = {"condensed": {"laws": "exact", "surface_size": 1e-3, "strips": 4, "cells": 6}}
 SHARES = 1e-6  # largest error of the sum of shares or weights
 MOST_CASES = 1000  # to detect typing errors
