@@ -12,6 +12,7 @@ import pytest
 from linear_creep import LinearCreep
 from sliding_mass import matrix_of
 
+from wheelrail.scenes.builders.vehicle import car_bodies, floor_points
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, load_vehicle, parse_vehicle, vehicle_text
 from wheelrail.scenes.builders.wheelset import wheelset_contact
 from wheelrail.scenes.schema.errors import SceneError
@@ -223,3 +224,14 @@ def test_bodies_stand_on_their_own_wheelsets() -> None:
 def test_what_is_wrong_in_a_train_is_named(text: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=message):
         load_vehicle(train(tmp_path, text))
+
+
+def test_every_wagon_of_a_train_is_a_car_body() -> None:
+    vehicle = freight("freight_train").vehicle
+    bodies = car_bodies(vehicle)
+    assert len(bodies) == 2
+    assert all(set(below) <= set(vehicle.wheelsets) for below in bodies.values())
+    assert car_bodies(load_vehicle()).keys() == {"car_body"}
+    places = floor_points(vehicle, 1.2)
+    for name, below in bodies.items():
+        assert places[f"{name} front"][1][0] == max(vehicle.bodies[own].x for own in below)

@@ -108,10 +108,14 @@ def check_fit(scene: RunScene, vehicle: Vehicle, file: Path) -> None:
         raise SceneError(f"{file}: bodies.{vehicle.wheelsets[0]}.height = {vehicle.radius:g}: {text}")
 
 
-def car_bodies(vehicle: Vehicle) -> list[str]:
-    """Names of the bodies at the top of the vehicle that move freely."""
-    uppers, lowers = ({getattr(own, end) for own in vehicle.elements.values()} for end in ("upper", "lower"))
-    return [n for n, b in vehicle.bodies.items() if n in uppers - lowers and not b.held and n not in vehicle.wheelsets]
+def car_bodies(vehicle: Vehicle) -> dict[str, list[str]]:
+    """Bodies that move freely and carry no other, each with its carriers; couplers carry nothing."""
+    below = dict[str, list[str]]()
+    for own in vehicle.elements.values():
+        if own.carries:
+            below.setdefault(own.upper, []).append(own.lower)
+    carried = {lower for lowers in below.values() for lower in lowers}
+    return {name: below[name] for name, b in vehicle.bodies.items() if name in below.keys() - carried and not b.held}
 
 
 def floor_points(vehicle: Vehicle, floor: float) -> dict[str, tuple[str, tuple[float, float, float]]]:
@@ -119,8 +123,7 @@ def floor_points(vehicle: Vehicle, floor: float) -> dict[str, tuple[str, tuple[f
     one, and in the middle between.
     """
     found = dict[str, tuple[str, tuple[float, float, float]]]()
-    for name in car_bodies(vehicle):
-        below = [own.lower for own in vehicle.elements.values() if own.upper == name]
+    for name, below in car_bodies(vehicle).items():
         ends = sorted({vehicle.bodies[lower].x for lower in below})
         middle = 0.5 * (ends[0] + ends[-1])
         places = {"front": ends[-1], "middle": middle, "rear": ends[0]} if len(ends) > 1 else {"middle": middle}

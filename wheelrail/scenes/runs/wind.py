@@ -103,7 +103,7 @@ def wind_points(scene: RunScene, file: Path, coefficients: WindCoefficients, ord
 
 
 def _body(vehicle: Vehicle, name: str | None) -> str:
-    names = car_bodies(vehicle)
+    names = list(car_bodies(vehicle))
     if name is None and len(names) == 1:
         return names[0]
     if name not in vehicle.bodies or name in vehicle.wheelsets:
