@@ -62,11 +62,12 @@ def elastic() -> WheelsetContact:
 
 
 def run(
-    own: RunScene, model: VehicleContact, seconds: float, method: str = "rosenbrock", every: float = EVERY
+    own: RunScene, model: VehicleContact, seconds: float, method: str | None = None, every: float = EVERY
 ) -> tuple[History, float]:
     """History of a run, and processor time s of this process."""
     start = process_time()
-    own = own.model_copy(update={"solver": own.solver.model_copy(update={"method": method})})
+    if method is not None:
+        own = own.model_copy(update={"solver": own.solver.model_copy(update={"method": method})})
     vehicle = vehicle_for_run(own, MANCHESTER)
     history = simulate_on_track(own, vehicle, model, seconds, Recording(every), lambda *_: None)
     return history, process_time() - start
