@@ -271,6 +271,8 @@ class Run:
     def method(self) -> str:
         if self.plane and not self.sleepers and self.drawn["method"] > 0.8:
             return "ode45" if self.drawn["method"] > 0.9 else "ode23"
+        if 0.6 < self.drawn["method"] < 0.8:
+            return "rosenbrock_ends"
         return "rosenbrock4" if self.drawn["method"] < 0.2 else "rosenbrock"
 
     @property

@@ -58,7 +58,7 @@ EVENTS: dict[str, dict[str, float]] = {
     "elastic axle": {"supple": 0.0, "rough": 0.5, "depth": 0.5, "length": 0.2, "joint": 0.0, "at": 0.0},
     "worn wheels, curve": {"worn": 0.1, "hand": 0.1, "radius": 0.35, "cant": 0.0},
 }
-BY_METHOD = {"rosenbrock": 0.5, "rosenbrock4": 0.1, "ode23": 0.85, "ode45": 0.95}
+BY_METHOD = {"rosenbrock": 0.5, "rosenbrock4": 0.1, "rosenbrock_ends": 0.7, "ode23": 0.85, "ode45": 0.95}
 
 
 def integral(values: Array, times: Array) -> float:
