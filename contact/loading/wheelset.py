@@ -13,7 +13,15 @@ from wheelrail.contact.geometry.grid_points import SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.load_search import RTOL, LoadError, LoadSolution, Results, compliant, find_depth_for_load
+from wheelrail.contact.loading.load_search import (
+    NOISE,
+    RTOL,
+    LoadError,
+    LoadSolution,
+    Results,
+    compliant,
+    find_depth_for_load,
+)
 from wheelrail.contact.loading.two_wheels import at_depths, find_depths_for_loads
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -94,7 +102,7 @@ def wheel_under_load(
     *,
     expected: float,
     rtol: float = RTOL,
-    near: tuple[float, ContactResult] | None = None,
+    near: tuple[WheelsetState, ContactResult] | None = None,
 ) -> WheelsetEquilibrium:
     """Height z at which one wheel carries a load.
 
@@ -105,7 +113,7 @@ def wheel_under_load(
         load: N.
         expected: m, estimate of the approach.
         rtol: of the load.
-        near: height m and converged result of a similar state, to begin with: half of the time.
+        near: a similar state and its converged result, to begin with: a third of the time, to `NOISE` of the load.
 
     Raises LoadError.
     """
@@ -194,14 +202,15 @@ def _find_depth(
     load: float,
     expected: float,
     rtol: float,
-    near: tuple[float, ContactResult] | None = None,
+    near: tuple[WheelsetState, ContactResult] | None = None,
 ) -> LoadSolution:
     def wheels(depth: float, guess: Results | None) -> Results:
         lowered = replace(state, z=-depth)
         return tuple(contact(lowered, side, guess[i] if guess else None) for i, side in enumerate(sides))
 
     if near:
-        first: LoadSolution | None = LoadSolution(-near[0], near[1:], np.inf, 0, compliant(load) / near[1].approach)
+        first: LoadSolution | None = _by_tangent(contact, state, sides[0], load, *near)
+        rtol = max(rtol, NOISE)
     else:
         first = _without_friction(contact, state, sides, load, expected)
     start = first.depth if first else min(_initial_depth(contact, state, side, expected) for side in sides)
@@ -213,6 +222,22 @@ def _find_depth(
         return replace(found, trials=found.trials + (first.trials if first else 0))
     except LoadError as error:
         raise LoadError(f"{' and '.join(sides)} wheel: {error}") from None
+
+
+def _by_tangent(
+    contact: WheelsetContact, state: WheelsetState, side: Side, load: float, near: WheelsetState, result: ContactResult
+) -> LoadSolution:
+    """Depth and slope of a wheel under a load by the tangent at a similar state; at its height without one."""
+    depth, slope = -near.z, compliant(load) / result.approach
+    with suppress(ValueError, RuntimeError):
+        by = contact.tangent(near, side, result)[2]
+        change = np.array([getattr(state, name) - getattr(near, name) for name in WheelsetState.coordinates])
+        z = WheelsetState.coordinates.index("z")
+        change[z] = 0.0
+        lowered = (load - result.force[2] - by @ change) / -by[z]
+        if by[z] < 0.0 and abs(lowered) < result.approach:
+            depth, slope = depth + lowered, -2.0 / 3.0 * by[z] / np.cbrt(load)
+    return LoadSolution(float(depth), (result,), np.inf, 0, float(slope))
 
 
 def _without_friction(

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
     from wheelrail.contact.kinematics.frames import Side
+    from wheelrail.contact.kinematics.wheelset_state import WheelsetState
     from wheelrail.contact.loading.load_search import LoadError
     from wheelrail.contact.loading.moved_pair import MovedPair
     from wheelrail.contact.loading.wheelset import WheelsetEquilibrium
@@ -38,7 +39,7 @@ if TYPE_CHECKING:
 
     TimedSolve = tuple[tuple[str, ...], WheelsetEquilibrium | LoadError, float]
 
-    Starts = Mapping[str, tuple[float, ContactResult]]
+    Starts = Mapping[str, tuple[WheelsetState, ContactResult]]
 
 ReportProgress = Callable[[str], None]
 
@@ -121,7 +122,7 @@ def solve_sides(
 
 
 def starts(scene: WheelsetScene, sides: Mapping[str, SideSolution]) -> Starts:
-    """Heights m and results by side from which solves of other positions may begin, of wheels at heights of their own.
+    """States and results by side from which solves of other positions may begin, of wheels at heights of their own.
 
     Parameters:
         scene: that was solved.
@@ -131,7 +132,12 @@ def starts(scene: WheelsetScene, sides: Mapping[str, SideSolution]) -> Starts:
     if scene.is_flexible or position.roll == "solve" or position.z is not None or position.axle_load is not None:
         return {}
     touching = {side: own for side, own in sides.items() if own.result.status == "converged"}
-    return {side: (own.z, own.result) for side, own in touching.items() if own.result.warm_start is not None}
+    state = wheelset_state(scene)
+    return {
+        side: (replace(state, z=own.z), own.result)
+        for side, own in touching.items()
+        if own.result.warm_start is not None
+    }
 
 
 def _hertz(
