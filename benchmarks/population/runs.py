@@ -136,6 +136,8 @@ def largest(history: History) -> tuple[float, float]:
 
 def off_the_rails(history: History) -> str:
     """Which wheelset or body is off the rails or overturned at the end, by displacements and loads; empty: none."""
+    if not len(history):
+        return ""
     d, last = history.dynamics, history.state[-1]
     load = history.force[0, ..., 2].mean()
     position = d.coordinates.split(last).position
