@@ -218,7 +218,7 @@ class VehicleDynamics:
         Raises StepFailure when a contact solve fails.
         """
         start = previous.contacts if guess is None and previous is not None else guess
-        return replace(self.under(time, state, lambda states: self._solve_contacts(states, start)), guess=start)
+        return changed(self.under(time, state, lambda states: self._solve_contacts(states, start)), guess=start)
 
     def under(
         self, time: float, state: Array, contacts_of: Callable[[Mapping[str, WheelsetState]], WheelContacts]

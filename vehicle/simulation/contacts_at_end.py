@@ -69,9 +69,9 @@ class ContactsAtEnd:
         """Solutions at the starts of steps; none without tangents, or with friction along the track."""
 
         def found(x: Array, start: VehicleEvaluation, linear: HasDerivatives) -> ContactsAtEnd | None:
-            known = isinstance(linear, VehicleLinearisation) and linear.exact and not dynamics.track.rubs
-            tangents = linear.tangents if isinstance(linear, VehicleLinearisation) and known else None
-            return None if tangents is None else ContactsAtEnd(dynamics, x, start, tangents)
+            if not isinstance(linear, VehicleLinearisation) or not linear.exact or dynamics.track.rubs:
+                return None
+            return None if linear.tangents is None else ContactsAtEnd(dynamics, x, start, linear.tangents)
 
         return found
 

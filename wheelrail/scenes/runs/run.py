@@ -196,7 +196,7 @@ def vehicle_for_run(scene: RunScene, file: Path | None = None) -> Vehicle:
         raise SceneError(f"{', '.join(scene.keys_of_vehicle_files)}: allowed only with a vehicle file (--vehicle)")
     if file is not None and not scene.solver.method.startswith("rosenbrock"):
         text = f'solver.method = "{scene.solver.method}": must be "rosenbrock" or "rosenbrock4" with a vehicle file'
-        raise SceneError(f"{text}: the spin of its wheelsets on the creep forces is stiff")
+        raise SceneError(f'{text}, or "rosenbrock_ends": the spin of its wheelsets on the creep forces is stiff')
     vehicle = vehicle_on(scene, file)
     for body in scene.kick or {}:
         if body not in vehicle.names:
