@@ -121,12 +121,12 @@ void require_scan(const Shape& rail, const Lines& lines, const Part& part, const
 // Weights of maxima, and their derivatives by every parameter.
 auto weights(const Rows& top, const Rows& low, double merge, const Blocks& by_top, const Blocks& by_low) {
     long k = top.size(), between = std::max(k - 1, 0L), q = by_top.shape[2];
-    require(k <= MAXIMA && top.shape[1] == 3 && low.shape == std::array<long, 2>{between, 3} &&
+    require(top.shape[1] == 3 && low.shape == std::array<long, 2>{between, 3} &&
                 by_top.shape == std::array<long, 3>{k, 3, q} && by_low.shape == std::array<long, 3>{between, 3, q},
             "top, low, by_top, by_low: must be (k, 3), (k - 1, 3), (k, 3, q), (k - 1, 3, q)");
     auto values_of = [&](const Rows& rows, const Blocks& by, auto made, long along) {
         using T = decltype(made);
-        std::array<Extremum<T>, MAXIMA> all;
+        std::vector<Extremum<T>> all(rows.size());
         auto number = [&](long i, int c) { return variable<T>(rows(i, c), 0, along < 0 ? 0.0 : by(i, c, along)); };
         for (long i = 0; i < rows.size(); ++i) all[i] = {number(i, 0), number(i, 1), number(i, 2)};
         return all;
@@ -134,7 +134,7 @@ auto weights(const Rows& top, const Rows& low, double merge, const Blocks& by_to
     auto of = [&](auto made, long along) {
         using T = decltype(made);
         auto tops = values_of(top, by_top, made, along), lows = values_of(low, by_low, made, along);
-        return merging_weights<T>({tops.data(), std::size_t(k)}, {lows.data(), std::size_t(between)}, merge);
+        return merging_weights<T>(tops, lows, merge);
     };
     Array<double, 1> weight(k);
     Array<double, 2> by_weight(k, q);
@@ -200,9 +200,9 @@ void bind_searches(nb::module_& m) {
             require(samples.depth.size() == lines.size() && samples.of(rail),
                     "samples: must be those of lines and rail");
             auto found = local_maxima({wheel, rail, radius}, pose(origin, rotation), lines, samples);
-            Array<long, 1> before(found.count);
-            std::copy(found.before.begin(), found.before.begin() + found.count, before.begin());
-            return std::tuple{rows_of(found.tops()), rows_of(found.lows()), before, found.approach};
+            Array<long, 1> before(long(found.before.size()));
+            std::copy(found.before.begin(), found.before.end(), before.begin());
+            return std::tuple{rows_of(found.top), rows_of(found.low), before, found.approach};
         },
         "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "lines"_a, "samples"_a, Unlocked(),
         "Maxima (n, 3) of the penetration, minima (n - 1, 3) between them, line (n,) before each maximum, and largest "

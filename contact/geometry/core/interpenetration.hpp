@@ -36,7 +36,7 @@ struct WheelRegions {
     auto fields() { return std::tie(approach, beyond, top, low, edges, contacts, contact, strips); }
     bool fits() const {
         long k = top.size(), n = strips.size(), c = contacts.size();
-        return top.shape[1] == 3 && k <= MAXIMA && low.shape == std::array<long, 2>{std::max(k - 1, 0L), 3} &&
+        return top.shape[1] == 3 && low.shape == std::array<long, 2>{std::max(k - 1, 0L), 3} &&
                n == HALF * edges.size() && contacts.shape[1] == 4 && c <= k && contact.size() == n &&
                strips.shape[1] == 5 &&
                std::all_of(contact.begin(), contact.end(), [&](long i) { return 0 <= i && i < c; });
@@ -50,10 +50,10 @@ inline Array<double, 2> rows_of(std::span<const Extremum<>> all) {
     return rows;
 }
 
-// Maxima or minima from rows (k, 3), at most MAXIMA.
-inline std::array<Extremum<>, MAXIMA> extrema_of(const Rows& rows) {
-    std::array<Extremum<>, MAXIMA> all;
-    for (long i = 0; i < std::min(rows.size(), MAXIMA); ++i) all[i] = {rows(i, 0), rows(i, 1), rows(i, 2)};
+// Maxima or minima from rows (k, 3).
+inline std::vector<Extremum<>> extrema_of(const Rows& rows) {
+    std::vector<Extremum<>> all(rows.size());
+    for (long i = 0; i < rows.size(); ++i) all[i] = {rows(i, 0), rows(i, 1), rows(i, 2)};
     return all;
 }
 
@@ -98,7 +98,7 @@ inline WheelRegions wheel_regions(const WheelRail& pair, const Pose<double>& pos
     const Numbers& positions = lines.s;
     Scan samples = scan(pair.rail, lines, pair.radius, pose, part);
     Maxima found = local_maxima(pair, pose, positions, samples);
-    auto top = found.tops(), low = found.lows();
+    const auto &top = found.top, &low = found.low;
     const auto& [depth, slope, where, sample] = samples;
     double deepest_top = 0.0;
     if (!top.empty())
@@ -112,52 +112,56 @@ inline WheelRegions wheel_regions(const WheelRail& pair, const Pose<double>& pos
         regions.approach = std::min(nearest_place(pair, pose, lines, part, samples).depth, 0.0);
     }
     regions.top = rows_of(top), regions.low = rows_of(low);
-    long most = regions.beyond ? 0 : 2 * found.count * found.count, count = 0, halves = 0, n = 0;
-    Array<double, 2> contacts(found.count, 4), strips(most * HALF, 5);
-    Array<double, 1> edges(most);
-    Array<long, 1> contact(most * HALF);
-    auto weight = merging_weights(top, low, merge);
-    for (long k = 0; k < found.count && !regions.beyond; ++k) {
+    if (regions.beyond) return regions;
+    auto weight = merging_weights<double>(top, low, merge);
+    std::vector<long> peaks;
+    std::vector<std::array<long, 3>> parts;  // of regions: contact, its maximum, and that around which they are
+    for (long k = 0; k < long(top.size()); ++k) {
         if (weight[k] <= 0.0) continue;
-        contacts(count, 0) = top[k].s, contacts(count, 1) = top[k].x, contacts(count, 2) = top[k].depth;
-        contacts(count, 3) = weight[k];
-        double level = (1.0 - VIRTUAL) * top[k].depth;
-        for (long j = 0; j < found.count; ++j) {
-            if (!extends(top, low, k, j, merge)) continue;
-            double middle = top[j].s, valley = std::numeric_limits<double>::infinity();
-            if (j != k) valley = low[saddle_between(low, k, j)].depth - level;
-            for (long direction : {-1L, 1L}) {
-                double way = double(direction), stop = half_limit(positions, low, j, direction), inner = middle;
-                long i = found.before[j] + (direction > 0);
-                while ((positions(i) - stop) * way < 0.0 &&
-                       ((positions(i) - middle) * way <= 0.0 || depth(i) >= level)) {
-                    if ((positions(i) - middle) * way > 0.0) inner = positions(i);
-                    i += direction;
-                }
-                double outer = (positions(i) - stop) * way < 0.0 ? positions(i) : stop;
-                double edge = level_crossing(pair, pose, inner, outer, level, where(i), sample(i));
-                edges(halves++) = edge;
-                double x = top[j].x;
-                long near = sample(found.before[j]), at = piece(pair.wheel, middle);
-                for (long q = 0; q < HALF; ++q, ++n) {
-                    double s = middle + (edge - middle) * POSITIONS[q];
-                    at = next_piece(pair.wheel, s, at);
-                    auto line = local(pair.wheel, s, at);
-                    auto own = lowest(pair.rail, pair.radius, pose, line, x, near);
-                    x = own.x, near = own.sample;
-                    contact(n) = count, strips(n, 0) = s, strips(n, 1) = x;
-                    strips(n, 2) = std::abs(edge - middle) * WIDTHS[q];
-                    double depth_there = covered(own.depth - level, valley, std::abs(s - top[k].s), merge);
-                    strips(n, 3) = std::max(depth_there, MIN_PENETRATION);
-                    strips(n, 4) = (line.point.z + pair.radius) / std::max(line.tangent.y, MIN_SLOPE_COSINE);
-                }
+        for (long j = 0; j < long(top.size()); ++j)
+            if (extends<double>(top, low, k, j, merge)) parts.push_back({long(peaks.size()), k, j});
+        peaks.push_back(k);
+    }
+    regions.contacts = Array<double, 2>(long(peaks.size()), 4L);
+    for (long c = 0; c < regions.contacts.size(); ++c) {
+        long k = peaks[c];
+        regions.contacts(c, 0) = top[k].s, regions.contacts(c, 1) = top[k].x, regions.contacts(c, 2) = top[k].depth;
+        regions.contacts(c, 3) = weight[k];
+    }
+    long halves = 2 * long(parts.size()), half = 0, n = 0;
+    regions.edges = Array<double, 1>(halves);
+    regions.contact = Array<long, 1>(halves * HALF), regions.strips = Array<double, 2>(halves * HALF, 5L);
+    for (auto [contact, k, j] : parts) {
+        double level = (1.0 - VIRTUAL) * top[k].depth, middle = top[j].s;
+        double valley = std::numeric_limits<double>::infinity();
+        if (j != k) valley = low[saddle_between<double>(low, k, j)].depth - level;
+        for (long direction : {-1L, 1L}) {
+            double way = double(direction), stop = half_limit(positions, low, j, direction), inner = middle;
+            long i = found.before[j] + (direction > 0);
+            while ((positions(i) - stop) * way < 0.0 && ((positions(i) - middle) * way <= 0.0 || depth(i) >= level)) {
+                if ((positions(i) - middle) * way > 0.0) inner = positions(i);
+                i += direction;
+            }
+            double outer = (positions(i) - stop) * way < 0.0 ? positions(i) : stop;
+            double edge = level_crossing(pair, pose, inner, outer, level, where(i), sample(i));
+            regions.edges(half++) = edge;
+            double x = top[j].x;
+            long near = sample(found.before[j]), at = piece(pair.wheel, middle);
+            for (long q = 0; q < HALF; ++q, ++n) {
+                double s = middle + (edge - middle) * POSITIONS[q];
+                at = next_piece(pair.wheel, s, at);
+                auto line = local(pair.wheel, s, at);
+                auto own = lowest(pair.rail, pair.radius, pose, line, x, near);
+                x = own.x, near = own.sample;
+                auto strip = regions.strips[n];
+                regions.contact(n) = contact, strip(0) = s, strip(1) = x;
+                strip(2) = std::abs(edge - middle) * WIDTHS[q];
+                double depth_there = covered(own.depth - level, valley, std::abs(s - top[k].s), merge);
+                strip(3) = std::max(depth_there, MIN_PENETRATION);
+                strip(4) = (line.point.z + pair.radius) / std::max(line.tangent.y, MIN_SLOPE_COSINE);
             }
         }
-        ++count;
     }
-    auto first = [](const auto& rows, long size) { return std::decay_t<decltype(rows)>::copy(rows.part(0, size)); };
-    regions.edges = first(edges, halves), regions.contacts = first(contacts, count);
-    regions.contact = first(contact, n), regions.strips = first(strips, n);
     return regions;
 }
 

@@ -42,7 +42,7 @@ T distance(const T& a, const T& b) {
     return value(a) > value(b) ? a - b : b - a;
 }
 
-// Weights of k <= MAXIMA maxima as contacts, 0 to 1. Maxima closer than merge m are one contact; low: the k - 1 minima
+// Weights (k,) of maxima as contacts, 0 to 1. Maxima closer than merge m are one contact; low: the k - 1 minima
 // between them.
 //
 // Maxima are joined at the minima between them, from the highest minimum down. Two groups share one contact in the
@@ -52,14 +52,13 @@ T distance(const T& a, const T& b) {
 // a maximum's own view another one counts as far as its own region, down to (1 - VIRTUAL) of its height, extends over
 // the minimum, or as both are close: as much of it as `covered` has in the region, so that no load is counted twice.
 template <class T>
-std::array<T, MAXIMA> merging_weights(std::span<const Extremum<T>> top, std::span<const Extremum<T>> low,
-                                      double merge) {
+std::vector<T> merging_weights(std::span<const Extremum<T>> top, std::span<const Extremum<T>> low, double merge) {
     long n = long(top.size());
-    std::array<T, MAXIMA> weight, share, whole, own, part;
-    std::array<long, MAXIMA> first{}, last{};
-    std::array<bool, MAXIMA> done{};
-    weight.fill(T(1.0)), share.fill(T(1.0)), part.fill(T(0.0));
+    std::vector<T> weight(n, T(1.0));
     if (n <= 1) return weight;
+    std::vector<T> share(weight), whole(n), own(n), part(n);
+    std::vector<long> first(n), last(n);
+    std::vector<bool> done(n);
     for (long i = 0; i < n; ++i) whole[i] = own[i] = top[i].depth, first[i] = last[i] = i;
     auto power = [](const T& height) {
         if (!(value(height) > 0.0)) return T(0.0);

@@ -5,12 +5,12 @@
 // sampling.
 #pragma once
 #include <span>
+#include <vector>
 
 #include "contact/geometry/core/lowest_point.hpp"
 
 namespace wr {
 
-constexpr long MAXIMA = 8;      // at most, more than a wheel and a rail can have
 constexpr double NEAR = -1e-4;  // m: sampled maxima lower than that are not refined
 constexpr double CLOSE = 1e-9;  // m: smallest distance of a maximum and a minimum
 
@@ -96,13 +96,9 @@ struct Scan {
 // Positive maxima of the penetration, the minima between, the line before each maximum, and the largest penetration m.
 // A gap between two maxima has the penetration 0.
 struct Maxima {
-    long count = 0;
-    std::array<Extremum<>, MAXIMA> top{}, low{};
-    std::array<long, MAXIMA> before{};
+    std::vector<Extremum<>> top, low;
+    std::vector<long> before;
     double approach = 0.0;
-
-    std::span<const Extremum<>> tops() const { return {top.data(), std::size_t(count)}; }
-    std::span<const Extremum<>> lows() const { return {low.data(), std::size_t(std::max(count - 1, 0L))}; }
 };
 
 // Maxima on lines (m,) m, arc lengths on the wheel's profile, from their scan.
@@ -113,9 +109,7 @@ inline Maxima local_maxima(const WheelRail& pair, const Pose<double>& pose, cons
     found.approach = *std::max_element(depth.begin(), depth.end());
     long n = lines.size();
     for (long i = 0; i < n - 1; ++i) {
-        if (!(slope(i) > 0.0 && 0.0 >= slope(i + 1)) || std::max(depth(i), depth(i + 1)) < NEAR ||
-            found.count == MAXIMA)
-            continue;
+        if (!(slope(i) > 0.0 && 0.0 >= slope(i + 1)) || std::max(depth(i), depth(i + 1)) < NEAR) continue;
         long j = i, k = i + 1;
         double rise = slope_at(lines(j), j), fall = slope_at(lines(k), k);
         if (rise <= 0.0 && j > 0) --j, rise = slope_at(lines(j), j);  // the samples are not accurate enough
@@ -124,22 +118,21 @@ inline Maxima local_maxima(const WheelRail& pair, const Pose<double>& pose, cons
         auto top = stationary_point(pair, pose, lines(j), lines(k), rise, fall, where(i), sample(i));
         found.approach = std::max(found.approach, top.depth);
         if (top.depth <= 0.0) continue;
-        if (found.count > 0) {
-            k = found.before[found.count - 1] + 1;
+        if (!found.top.empty()) {
+            k = found.before.back() + 1;
             for (j = k; j <= i; ++j)
                 if (depth(j) < depth(k)) k = j;
-            auto& low = found.low[found.count - 1];
+            auto& low = found.low.emplace_back();
             low = {lines(k), std::max(depth(k), 0.0), where(k)};
             if (depth(k) > 0.0) {  // inside the region of penetration: refine it
-                double left = std::max(lines(k - 1), found.top[found.count - 1].s + CLOSE);
+                double left = std::max(lines(k - 1), found.top.back().s + CLOSE);
                 double right = std::min(lines(k + 1), top.s - CLOSE);
                 fall = slope_at(left, k), rise = slope_at(right, k);
                 if (fall < 0.0 && 0.0 < rise)
                     low = stationary_point(pair, pose, left, right, fall, rise, where(k), sample(k));
             }
         }
-        found.top[found.count] = top, found.before[found.count] = i;
-        ++found.count;
+        found.top.push_back(top), found.before.push_back(i);
     }
     return found;
 }

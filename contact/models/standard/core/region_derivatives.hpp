@@ -94,22 +94,23 @@ class VariedRegions {
           found(found),
           count(found.top.size()),
           tops(extrema_of(found.top)),
-          lows(extrema_of(found.low)) {
+          lows(extrema_of(found.low)),
+          top(tops.size()),
+          low(lows.size()) {
         for (long k = 0; k < count; ++k) top[k] = stationary(tops[k]);
         for (long k = 0; k < count - 1; ++k) low[k] = lows[k].depth > 0.0 ? stationary(lows[k]) : constant(lows[k]);
     }
 
     Regions<ByPose> regions() {
         Regions<ByPose> zones(found.strips.size(), found.contacts.size());
-        auto all = std::span(top).first(count), between = std::span(low).first(std::max(count - 1, 0L));
-        auto weight = merging_weights<ByPose>(all, between, merge);
+        auto weight = merging_weights<ByPose>(top, low, merge);
         long contact = 0, half = 0;
         for (long k = 0; k < count; ++k) {
             if (value(weight[k]) <= 0.0 || contact == zones.peak.size()) continue;
             zones.peak(contact) = top[k].s, zones.peak_x(contact) = top[k].x;
             zones.depth(contact) = top[k].depth, zones.weight(contact) = weight[k];
             for (long j = 0; j < count; ++j)
-                if (extends<ByPose>(all, between, k, j, merge))
+                if (extends<ByPose>(top, low, k, j, merge))
                     for (long direction : {-1L, 1L})
                         if (half < found.edges.size()) store_half(zones, contact, k, j, direction, half++);
             ++contact;
@@ -118,8 +119,6 @@ class VariedRegions {
     }
 
   private:
-    using Numbers8 = std::array<Extremum<>, MAXIMA>;
-
     const WheelRail pair;
     const Pose<double> at_pose;
     const Pose<ByPose> pose;
@@ -128,8 +127,8 @@ class VariedRegions {
     double merge;
     const WheelRegions& found;
     long count, near = -1;
-    Numbers8 tops, lows;
-    std::array<Extremum<ByPose>, MAXIMA> top, low;
+    std::vector<Extremum<>> tops, lows;
+    std::vector<Extremum<ByPose>> top, low;
 
     static Extremum<ByPose> constant(const Extremum<>& at) { return {at.s, at.depth, at.x}; }
 
@@ -163,8 +162,7 @@ class VariedRegions {
     // Outer end m of a half around maximum j, down to a level of the penetration.
     ByPose edge(long j, long direction, long half, const ByPose& level) {
         double s = found.edges(half);
-        auto lows_found = std::span<const Extremum<>>(lows).first(std::max(count - 1, 0L));
-        if (s != half_limit(lines, lows_found, j, direction)) {
+        if (s != half_limit(lines, lows, j, direction)) {
             double x = found.strips((half + 1) * HALF - 1, 1);  // of the outermost strip
             return solution(s, line_at(s, x).depth, level);
         }
@@ -175,10 +173,7 @@ class VariedRegions {
     // Strips of a half around maximum j in the region of maximum k.
     void store_half(Regions<ByPose>& zones, long contact, long k, long j, long direction, long half) {
         ByPose level = (1.0 - VIRTUAL) * top[k].depth, valley(std::numeric_limits<double>::infinity());
-        if (j != k) {
-            auto between = std::span<const Extremum<ByPose>>(low).first(count - 1);
-            valley = low[saddle_between(between, k, j)].depth - level;
-        }
+        if (j != k) valley = low[saddle_between<ByPose>(low, k, j)].depth - level;
         ByPose outward = edge(j, direction, half, level) - top[j].s;
         for (long q = 0; q < HALF; ++q) {
             long i = half * HALF + q;
