@@ -1,16 +1,18 @@
-"""The vehicle in three dimensions beside the same one in Exudyn with the contact element: largest differences.
+"""The vehicle in three dimensions beside the same one in Exudyn: largest differences.
 
-    pip install exudyn; python -m benchmarks.exudyn_vehicle [--end S] [--step S] [--curve]
+    pip install exudyn; python -m benchmarks.exudyn_vehicle [--end S] [--step S] [--curve | --tracks]
 
-Manchester vehicle 1 with S1002 wheels on 60E1 rails at 1/40, standard contact, starts from its equilibrium with a
-lateral velocity of the front bogie, on straight track or at once in a canted curve of 600 m, without a force that
-keeps the speed.
+Manchester vehicle 1 with S1002 wheels on 60E1 rails at 1/40, standard contact by its element, starts from its
+equilibrium with a lateral velocity of the front bogie, on straight track or at once in a canted curve of 600 m, without
+a force that keeps the speed. --tracks: a smooth law of contact, on a co-running track with mass below each wheelset.
 """
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 from math import asin
 from pathlib import Path
@@ -66,13 +68,13 @@ def ours(state: Array, end: float, *, curve: bool) -> Array:
 
 def theirs(state: Array, end: float, step: float, *, curve: bool) -> Array:
     """Coordinates (n, 6) of the bodies at the end by Exudyn at a fixed step s."""
-    from benchmarks.exudyn.vehicle_model import CircularTrack, TimeSteps, VehicleForces, trajectory
+    from benchmarks.exudyn.vehicle_model import CircularTrack, ElementForces, TimeSteps, trajectory
 
     vehicle = replace(load_vehicle(), speed_hold=None)
     wheelset = wr.Wheelset(**PAIR, speed=SPEED)
     elements = [wheelset.element() for _ in vehicle.wheelsets]
     track = CircularTrack(1.0 / RADIUS, asin(CANT / CANT_BASE)) if curve else CircularTrack()
-    rows = trajectory(VehicleForces(vehicle, track, elements), state, SPEED, TimeSteps(end, step, end))
+    rows = trajectory(ElementForces(vehicle, track, elements), state, SPEED, TimeSteps(end, step, end))
     return np.asarray(rows[-1])
 
 
@@ -86,15 +88,26 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--end", type=float, default=0.5, help="duration [s]")
     parser.add_argument("--step", type=float, default=1e-4, help="Exudyn's step [s]; twice the step is compared")
-    parser.add_argument("--curve", action="store_true", help="a curve of 600 m instead of straight track")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--curve", action="store_true", help="a curve of 600 m instead of straight track")
+    where.add_argument("--tracks", action="store_true", help="straight track with mass, smooth contact")
     given = parser.parse_args()
-    state = initial_state()
+    by_exudyn: Callable[[float, float], Array]
+    if given.tracks:
+        from benchmarks.exudyn.on_tracks import OnTracks
+        from benchmarks.exudyn.tracks_model import theirs as on_tracks
+
+        by_us, by_exudyn = (case := OnTracks()).ours, partial(on_tracks, case)
+    else:
+        state = initial_state()
+        by_us = partial(ours, state, curve=given.curve)
+        by_exudyn = partial(theirs, state, curve=given.curve)
     start = process_time()
-    fine = theirs(state, given.end, given.step, curve=given.curve)
+    fine = by_exudyn(given.end, given.step)
     middle = process_time()
-    own = ours(state, given.end, curve=given.curve)
+    own = by_us(given.end)
     seconds = middle - start, process_time() - middle
-    coarse = theirs(state, given.end, 2 * given.step, curve=given.curve)
+    coarse = by_exudyn(given.end, 2 * given.step)
     print(machine_description())
     print(
         f"Exudyn {version('exudyn')}, RK44 at {given.step:g} s, {given.end:g} s: {seconds[0]:.0f} s of processor time,"

@@ -1,13 +1,14 @@
 """The vehicle of `wheelrail.vehicle.multibody` in Exudyn (J. Gerstmayr, Multibody System Dynamics 60 (2024), DOI
-10.1007/s11044-023-09937-1), with the contact element of this package in its wheels.
+10.1007/s11044-023-09937-1), with the contact element of this package in its wheels, or on moving tracks.
 
-Exudyn has the rigid bodies in absolute coordinates, gravity and the integrator. Forces are user functions, written for
-absolute axes without the vehicle's own equations: suspension elements, rotational springs, and the motion of each
-wheelset in its section of the track as the element's inputs.
+Exudyn has the rigid bodies in absolute coordinates, gravity, the tracks and the integrator. Forces are user functions,
+written for absolute axes without the vehicle's own equations: suspension elements, rotational springs, and the motion
+of each wheelset in its section of the track as the element's inputs.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,6 +27,16 @@ from wheelrail.vehicle.multibody.vehicle import Vehicle
 from wheelrail.vehicle.wagon.force_law import Law
 
 UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class MovingTrack:
+    """Linear equations of the track under a wheelset; mass, stiffness and damping (n, n), motions (n,) at the start."""
+
+    mass: Array
+    stiffness: Array
+    damping: Array
+    start: Array
 
 
 @dataclass(frozen=True)
@@ -65,27 +76,43 @@ class Motion:
         position, velocity: (n, 3) m and m/s of the centres of mass.
         rotation: (n, 3, 3), axes of the bodies as columns.
         rate: (n, 3) rad/s.
+        rails: motions of the track under each wheelset; none: at rest.
     """
 
     position: Array
     velocity: Array
     rotation: Array
     rate: Array
+    rails: Sequence[Array] = ()
 
 
 @dataclass(frozen=True)
-class VehicleForces:
+class VehicleForces(ABC):
     """Forces on the bodies of a vehicle.
 
     Parameters:
         vehicle: bodies and suspension, without Maxwell elements and speed hold.
         track: below it.
-        elements: contact of each wheelset.
     """
 
     vehicle: Vehicle
     track: CircularTrack
-    elements: Sequence[WheelsetElement]
+
+    @abstractmethod
+    def contact(self, motion: Motion, i: int) -> tuple[Array, Array]:
+        """Force and moment (3,) of both contacts on wheelset i, the number of its body."""
+
+    def accept(self) -> None:  # noqa: B027
+        """The state of the last call is that of an accepted step; nothing to do here."""
+
+    @property
+    def tracks(self) -> Sequence[MovingTrack]:
+        """Track under each wheelset; none: rails at rest."""
+        return ()
+
+    def rail_loads(self, motion: Motion, number: int) -> Array:
+        """Loads on the motions of the track under a wheelset, by its number."""
+        raise NotImplementedError
 
     @cached_property
     def static_loads(self) -> Array:
@@ -95,14 +122,11 @@ class VehicleForces:
         """Force and moment (n, 3) on each body without gravity, N and N m about its centre of mass."""
         force, moment = np.zeros((2, len(self.vehicle.names), 3))
         axes, rates = motion.rotation.copy(), motion.rate.copy()
-        for name, element in zip(self.vehicle.wheelsets, self.elements, strict=True):
+        for name in self.vehicle.wheelsets:
             i = self.vehicle.names.index(name)
-            force[i], moment[i] = self._contact(element, motion, i)
+            force[i], moment[i] = self.contact(motion, i)
+            axes[i] = self.level_axes(motion, i)
             axle = axes[i, :, 1]
-            _, section = self.track.section(self.track.distance(motion.position[i]))
-            level = section @ np.array([section[:, 1] @ axle, -section[:, 0] @ axle, 0.0])
-            level /= np.linalg.norm(level)
-            axes[i] = np.column_stack([level, axle, np.cross(level, axle)])  # do not spin
             rates[i] -= (rates[i] @ axle) * axle  # points of the axle do not feel the spin
         self._add_suspension(motion, axes, rates, force, moment)
         for spring in self.vehicle.rotational_springs.values():
@@ -114,6 +138,14 @@ class VehicleForces:
             moment[upper] += torque
             moment[lower] -= torque
         return force, moment
+
+    def level_axes(self, motion: Motion, i: int) -> Array:
+        """Axes (3, 3) of wheelset i that do not spin, as columns."""
+        axle = motion.rotation[i, :, 1]
+        _, section = self.track.section(self.track.distance(motion.position[i]))
+        level = section @ np.array([section[:, 1] @ axle, -section[:, 0] @ axle, 0.0])
+        level /= np.linalg.norm(level)
+        return np.column_stack([level, axle, np.cross(level, axle)])
 
     def _add_suspension(self, motion: Motion, axes: Array, rates: Array, force: Array, moment: Array) -> None:
         """Add forces and moments of all suspension elements."""
@@ -140,10 +172,26 @@ class VehicleForces:
                 reaction = reaction - (reaction @ axle) * axle
             moment[low] += reaction
 
-    def _contact(self, element: WheelsetElement, motion: Motion, i: int) -> tuple[Array, Array]:
-        """Force and moment (3,) of both contacts of a wheelset. Raises ValueError for a contact that fails."""
+
+@dataclass(frozen=True)
+class ElementForces(VehicleForces):
+    """Forces with a contact element of this package in the wheels of each wheelset.
+
+    Parameters:
+        elements: of the wheelsets, in their order.
+    """
+
+    elements: Sequence[WheelsetElement]
+
+    def accept(self) -> None:
+        for element in self.elements:
+            element.accept()
+
+    def contact(self, motion: Motion, i: int) -> tuple[Array, Array]:
+        """Force and moment (3,) of both contacts. Raises ValueError for a contact that fails."""
         axes, inputs = self.wheelset_inputs(motion, i)
         outputs = np.zeros(14)
+        element = self.elements[self.vehicle.wheelsets.index(self.vehicle.names[i])]
         status = element.solve_array(inputs, outputs)
         if status.startswith("failed"):
             raise ValueError(status)
@@ -185,7 +233,7 @@ def trajectory(forces: VehicleForces, initial: Array, speed: float, times: TimeS
     """Coordinates (rows, n, 6) of the bodies as in `wheelrail.vehicle.multibody.coordinates`, pitch as zero.
 
     Parameters:
-        forces: on the bodies.
+        forces: on the bodies and their tracks.
         initial: (12 n,) coordinates and their rates.
         speed: of the reference motion, m/s.
         times: of the run; every must be a multiple of step.
@@ -193,21 +241,45 @@ def trajectory(forces: VehicleForces, initial: Array, speed: float, times: TimeS
     mbs = exu.SystemContainer().AddSystem()
     nodes = _add_bodies(mbs, forces, initial, speed)
     output, rows = exu.OutputVariableType, []
+    tracks = [
+        mbs.AddNode(
+            item.NodeGenericODE2(
+                referenceCoordinates=[0.0] * len(own.mass),
+                initialCoordinates=own.start.tolist(),
+                initialCoordinates_t=[0.0] * len(own.mass),
+                numberOfODE2Coordinates=len(own.mass),
+            )
+        )
+        for own in forces.tracks
+    ]
 
     def motion() -> Motion:
         values = [
             np.array([mbs.GetNodeOutput(node, variable) for node in nodes])
             for variable in (output.Position, output.Velocity, output.RotationMatrix, output.AngularVelocity)
         ]
-        return Motion(values[0], values[1], values[2].reshape(-1, 3, 3), values[3])
+        rails = [np.array(mbs.GetNodeOutput(node, output.Coordinates)) for node in tracks]
+        return Motion(values[0], values[1], values[2].reshape(-1, 3, 3), values[3], rails)
 
     latest: list[object] = [b"", None]
 
-    def wrenches() -> tuple[Array, Array]:
+    def wrenches() -> tuple[Array, Array, list[Array]]:
         key = mbs.systemData.GetODE2Coordinates().tobytes() + mbs.systemData.GetODE2Coordinates_t().tobytes()
         if latest[0] != key:
-            latest[:] = key, forces(motion())
+            at = motion()
+            latest[:] = key, (*forces(at), [forces.rail_loads(at, k) for k in range(len(tracks))])
         return latest[1]  # type: ignore[return-value]
+
+    for k, (node, own) in enumerate(zip(tracks, forces.tracks, strict=True)):
+        mbs.AddObject(
+            item.ObjectGenericODE2(
+                nodeNumbers=[node],
+                massMatrix=own.mass,
+                stiffnessMatrix=own.stiffness,
+                dampingMatrix=own.damping,
+                forceUserFunction=lambda mbs, t, number, q, rates, k=k: wrenches()[2][k],
+            )
+        )
 
     for i, node in enumerate(nodes):
         marker = mbs.AddMarker(item.MarkerNodeRigid(nodeNumber=node))
@@ -225,8 +297,7 @@ def trajectory(forces: VehicleForces, initial: Array, speed: float, times: TimeS
 
     def after_step(mbs: object, time: float) -> bool:
         wrenches()  # of the accepted state, from which the next step starts
-        for element in forces.elements:
-            element.accept()
+        forces.accept()
         if abs(time / times.every - round(time / times.every)) < 0.5 * times.step / times.every:
             rows.append(coordinates(forces, motion(), speed * time))
         return True
@@ -240,6 +311,8 @@ def trajectory(forces: VehicleForces, initial: Array, speed: float, times: TimeS
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
     settings.solution.file.write = False
     mbs.SolveDynamic(settings, solverType=exu.DynamicSolverType.RK44)
+    if not np.isclose(mbs.systemData.GetTime(), times.end):
+        raise RuntimeError("Exudyn did not reach the end")
     return np.array(rows)
 
 
