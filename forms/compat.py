@@ -18,6 +18,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from wheelrail.forms.compilation import compiling
 from wheelrail.forms.snes_newton import SnesNewton
 
 OLD = not hasattr(fem, "functionspace")  # 0.5 and 0.6
@@ -40,28 +41,31 @@ def mesh_from_arrays(comm: MPI.Comm, cell: str, cells: NDArray[Any], points: NDA
         domain = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
     cells = np.ascontiguousarray(cells, dtype=np.int64)
     points = np.ascontiguousarray(points, dtype=np.float64)
-    if RECENT:
-        return dolfinx.mesh.create_mesh(comm, cells, domain, points)
-    return dolfinx.mesh.create_mesh(comm, cells, points, domain)
+    with compiling():
+        if RECENT:
+            return dolfinx.mesh.create_mesh(comm, cells, domain, points)
+        return dolfinx.mesh.create_mesh(comm, cells, points, domain)
 
 
 def space(mesh: Any, degree: int, dim: int = 3) -> Any:
     """Continuous Lagrange space with values of length dim (1: scalars)."""
-    if OLD:
-        if dim == 1:
-            return fem.FunctionSpace(mesh, ("Lagrange", degree))
-        return fem.VectorFunctionSpace(mesh, ("Lagrange", degree), dim=dim)
-    return fem.functionspace(mesh, ("Lagrange", degree) if dim == 1 else ("Lagrange", degree, (dim,)))
+    with compiling():
+        if OLD:
+            if dim == 1:
+                return fem.FunctionSpace(mesh, ("Lagrange", degree))
+            return fem.VectorFunctionSpace(mesh, ("Lagrange", degree), dim=dim)
+        return fem.functionspace(mesh, ("Lagrange", degree) if dim == 1 else ("Lagrange", degree, (dim,)))
 
 
 def nodal_space(mesh: Any, shape: tuple[int, ...]) -> Any:
     """Linear Lagrange space with values of a shape: () scalars, (3,) vectors, (3, 3) tensors."""
-    if OLD:
-        if not shape:
-            return fem.FunctionSpace(mesh, ("Lagrange", 1))
-        kind = fem.VectorFunctionSpace if len(shape) == 1 else fem.TensorFunctionSpace
-        return kind(mesh, ("Lagrange", 1))
-    return fem.functionspace(mesh, ("Lagrange", 1, shape) if shape else ("Lagrange", 1))
+    with compiling():
+        if OLD:
+            if not shape:
+                return fem.FunctionSpace(mesh, ("Lagrange", 1))
+            kind = fem.VectorFunctionSpace if len(shape) == 1 else fem.TensorFunctionSpace
+            return kind(mesh, ("Lagrange", 1))
+        return fem.functionspace(mesh, ("Lagrange", 1, shape) if shape else ("Lagrange", 1))
 
 
 def assemble_matrix(form: Any, bc: Any, diagonal: float) -> Any:

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.contact.laws.material import Material
 from wheelrail.forms import compat
+from wheelrail.forms.compilation import compiled
 from wheelrail.forms.elasticity import lame, stiffness
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask, Nodes
@@ -92,7 +93,7 @@ class ElasticBody:
         import ufl
 
         u, v = ufl.TrialFunction(self.space), ufl.TestFunction(self.space)
-        form = fem.form(stiffness(u, v, *lame(self.steel.E, self.steel.nu)))
+        form = compiled(stiffness(u, v, *lame(self.steel.E, self.steel.nu)))
         zero = np.zeros(3, dtype=PETSc.ScalarType)
         bc = fem.dirichletbc(zero, self.fixed.astype(np.int32), self.space)
         # A diagonal of one, relative to 1e9 elsewhere, would distort norms of residuals.

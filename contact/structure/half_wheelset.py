@@ -10,11 +10,11 @@ import numpy as np
 import scipy.sparse as sp
 import scipy.sparse.linalg as sl
 import ufl
-from dolfinx import fem
 
 from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.laws.material import Material
 from wheelrail.forms import compat
+from wheelrail.forms.compilation import compiled
 from wheelrail.meshes.bodies.axle import SNAP, AxleShape, wheelset_section
 from wheelrail.meshes.bodies.outlines import Outline
 from wheelrail.meshes.bodies.triangulation import part_of
@@ -119,7 +119,7 @@ class HalfWheelset:
         """Integrals of products of shape functions over the section, per unit angle, m3."""
         U, V = ufl.TrialFunction(self.whole.space), ufl.TestFunction(self.whole.space)
         r = ufl.SpatialCoordinate(self.whole.mesh)[1]
-        pointer, columns, values = compat.assemble_csr(fem.form(ufl.inner(U, V) * r * ufl.dx))
+        pointer, columns, values = compat.assemble_csr(compiled(ufl.inner(U, V) * r * ufl.dx))
         size = 3 * len(self.whole.points)
         return sp.csr_array((values, columns, pointer), shape=(size, size))
 

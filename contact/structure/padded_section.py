@@ -16,6 +16,7 @@ from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.structure.rigid_section import section_modes
 from wheelrail.forms import compat
+from wheelrail.forms.compilation import compiled
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.waveguide import wavenumber_forms
 from wheelrail.meshes.bodies.triangulation import SectionMesh
@@ -56,7 +57,7 @@ class PaddedSection(WaveguideSection):
         A0, A1, A2 = wavenumber_forms(U, V, *lame(self.steel.E, self.steel.nu), degree=self.degree)
         A0 += self._support_form(U, V)
         (pointer, columns, values), (_, _, slope), (_, _, curvature) = (
-            compat.assemble_csr(fem.form(form)) for form in (A0, A1, A2)
+            compat.assemble_csr(compiled(form)) for form in (A0, A1, A2)
         )
         return pointer.astype(np.int64), columns.astype(np.int64), (values, slope, curvature)
 
@@ -64,14 +65,14 @@ class PaddedSection(WaveguideSection):
     def support(self) -> sp.csr_array:
         """Stiffness (3 n, 3 n) N/m2 of the support alone."""
         form = self._support_form(ufl.TrialFunction(self.space), ufl.TestFunction(self.space))
-        pointer, columns, values = compat.assemble_csr(fem.form(form))
+        pointer, columns, values = compat.assemble_csr(compiled(form))
         return sp.csr_array((values, columns, pointer), shape=(3 * len(self.points),) * 2)
 
     @cached_property
     def mass(self) -> sp.csr_array:
         """Integrals (3 n, 3 n) m2 of products of shape functions over the section."""
         form = ufl.inner(ufl.TrialFunction(self.space), ufl.TestFunction(self.space)) * ufl.dx
-        pointer, columns, values = compat.assemble_csr(fem.form(form))
+        pointer, columns, values = compat.assemble_csr(compiled(form))
         return sp.csr_array((values, columns, pointer), shape=(3 * len(self.points),) * 2)
 
     def foot_modes(self, degree: int) -> tuple[Array, Array]:

@@ -15,6 +15,7 @@ from wheelrail.contact.elasticity.waveguide.nested_dissection import Dissection,
 from wheelrail.contact.geometry.surface_grid import surface_points
 from wheelrail.contact.laws.material import Material
 from wheelrail.forms import compat
+from wheelrail.forms.compilation import compiled
 from wheelrail.forms.elasticity import lame
 from wheelrail.forms.waveguide import wavenumber_forms
 from wheelrail.meshes.bodies.triangulation import SectionMesh
@@ -71,7 +72,7 @@ class WaveguideSection:
         r = None if self.radius is None else ufl.SpatialCoordinate(self.mesh)[1]
         λ, μ = (fem.Constant(self.mesh, value) for value in lame(self.steel.E, self.steel.nu))
         forms = wavenumber_forms(U, V, λ, μ, radius=r, degree=self.degree)
-        (pointer, columns, A0), (_, _, A1), (_, _, A2) = (compat.assemble_csr(fem.form(form)) for form in forms)
+        (pointer, columns, A0), (_, _, A1), (_, _, A2) = (compat.assemble_csr(compiled(form)) for form in forms)
         return pointer.astype(np.int64), columns.astype(np.int64), (A0, A1, A2)
 
     @cached_property

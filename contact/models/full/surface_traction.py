@@ -22,6 +22,7 @@ from wheelrail.contact.geometry.surface_grid import RULES, ContactGrid
 from wheelrail.contact.laws.friction import parameters
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.forms import compat
+from wheelrail.forms.compilation import compiled
 from wheelrail.forms.pointwise import with_parameters
 from wheelrail.forms.traction import frictionless_traction, traction, virtual_work
 from wheelrail.meshes.bodies.extrusion import Solid
@@ -87,7 +88,7 @@ class SurfaceLaw:
             t = frictionless_traction(self.z, in_form(laws.normal))
         work = virtual_work(t, ufl.TestFunction(space), measure)
         with compat.quiet():
-            self._force, self._tangent = fem.form(work), fem.form(ufl.derivative(work, self.z))
+            self._force, self._tangent = compiled(work), compiled(ufl.derivative(work, self.z))
         self._vector, self._matrix = compat.create_vector(self._force), create_matrix(self._tangent)
         compat.freed_with(self, self._vector, self._matrix)
         distance, node = cKDTree(space.tabulate_dof_coordinates()).query(grid.position.reshape(-1, 3))
