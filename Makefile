@@ -17,8 +17,12 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Tests that draw in three dimensions have processes of their own: VTK aborted in ones that had run many other tests.
 DRAWN = tests/scenes/test_view.py tests/scenes/test_report.py
 
+# Makes a build of its own, `make sanitize`.
+SANITIZED = tests/bindings/test_sanitized.py
+
 # Files in their order: by default those of few tests are last, and some of them take a minute.
 SHARED = -n $(JOBS) --dist loadfile --no-loadscope-reorder
+PYTEST = MAKEFLAGS= $(PY) -m pytest
 
 .PHONY: run core builds sanitized test lint sanitize suite notebooks docs test-debian test-kernels clean
 
@@ -27,7 +31,7 @@ run: core
 
 # CMake's folder is beside its sources; the products are in wheelrail/bindings.
 core: bindings/build.ninja
-	$(TOOLS) cmake --build bindings
+	$(if $(BUILT),,$(TOOLS) cmake --build bindings)
 
 # Builds for other processors, too, and one with sanitizers: tests compare them.
 builds: bindings/build.ninja
@@ -41,10 +45,10 @@ sanitized: $(VENV)/ready-to-test
 bindings/build.ninja: | $(VENV)/ready
 	$(TOOLS) cmake -S bindings -B bindings -G Ninja -DPython_EXECUTABLE=$(abspath $(PY))
 
+# Nothing waits for the checks of the sources: processors that the tests leave idle do them.
 test: $(VENV)/ready-to-test
 	$(MAKE) builds
-	$(MAKE) -j2 lint sanitized
-	$(MAKE) suite
+	$(MAKE) -j3 BUILT=yes lint sanitize suite
 
 # Types are checked against one set of libraries, Debian 12's: NumPy 2 describes its arrays otherwise.
 lint: $(VENV)/ready-to-test
@@ -67,12 +71,12 @@ build/tidied: $(CORE) .clang-tidy | $(VENV)/ready-to-test
 # Kernels with checked indices, addresses and arithmetic, in a build of their own.
 sanitize: $(VENV)/ready-to-test
 	@$(MAKE) core sanitized
-	$(PY) -m pytest tests/bindings/test_sanitized.py
+	$(PYTEST) $(SANITIZED)
 
 suite: $(VENV)/ready-to-test
 	@$(MAKE) core
-	$(PY) -m pytest $(SHARED) --max-worker-restart 0 $(DRAWN)
-	$(PY) -m pytest $(SHARED) --max-worker-restart 0 $(DRAWN:%=--ignore=%)
+	$(PYTEST) $(SHARED) --max-worker-restart 0 $(DRAWN)
+	$(PYTEST) $(SHARED) --max-worker-restart 0 $(patsubst %,--ignore=%,$(DRAWN) $(SANITIZED))
 
 # Pairs of files: what is saved in JupyterLab goes to the text files, too.
 notebooks: $(VENV)/ready-for-notebooks

@@ -8,42 +8,30 @@ cd "$(dirname "$0")"
 venv=${VENV:-.venv}
 state=${1:-ready}
 case $state in
-  ready) extras=view; more="" ;;
-  ready-for-notebooks) extras=view,notebook; more="" ;;
-  ready-to-test) extras=view,cluster,notebook,docs,dev; more="chromium" ;;
+  ready) extras=view; more="" builds=OFF targets="" ;;
+  ready-for-notebooks) extras=view,notebook; more="" builds=OFF targets="" ;;
+  ready-to-test) extras=view,cluster,notebook,docs,dev; more=chromium builds=ON targets="all library" ;;
   *) echo "bootstrap.sh $state: must be ready, ready-for-notebooks or ready-to-test" >&2; exit 2 ;;
 esac
 
-# OpenBLAS: with the reference BLAS sparse factorisations take 4 to 8 times longer.
-wanted="python3-dolfinx python3-dolfinx-real python3-venv python3-dev g++ libopenblas0-pthread openmpi-bin
-        python3-scipy python3-h5py python3-netcdf4
-        libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 $more"
-missing=""
-for package in $wanted; do
-  [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing="$missing $package"
-done
-if [ -n "$missing" ]; then
+apt() {
+  missing=""
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing="$missing $package"
+  done
+  [ -n "$missing" ] || return 0
   echo "installing by apt:$missing"
   sudo=""; [ "$(id -u)" = 0 ] || sudo=sudo
   $sudo apt-get update -q
   # shellcheck disable=SC2086
   $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing
-fi
+}
+install() { "$venv/bin/python" -m pip install -q --disable-pip-version-check "$@"; }
 
+# The core needs a compiler and pip's tools alone: it is compiled while apt and pip install the rest, one file at a time.
+# The tools stay, to build it again after an edit: `make core`.
+apt g++ python3-dev python3-venv
 [ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv --system-site-packages "$venv"
-
-# pip may not replace what the compiled stack was built against (NumPy 2 would break petsc4py, a bundled HDF5 dolfinx).
-/usr/bin/python3 - >"$venv/constraints.txt" <<'PY'
-from importlib.metadata import PackageNotFoundError, version
-
-for name in ("numpy", "scipy", "mpi4py", "petsc4py", "slepc4py", "cffi", "h5py", "netCDF4",
-             "fenics-dolfinx", "fenics-ufl", "fenics-ffcx", "fenics-basix"):
-    try:
-        print(f"{name}=={version(name)}")
-    except PackageNotFoundError:
-        pass
-PY
-install() { "$venv/bin/python" -m pip install -q --disable-pip-version-check -c "$venv/constraints.txt" "$@"; }
 /usr/bin/python3 - "$extras" "$venv" <<'PY'
 import sys
 import tomllib
@@ -56,18 +44,35 @@ needed = project["dependencies"] + sum((project["optional-dependencies"][extra] 
 for name, lines in {"build": about["build-system"]["requires"], "needed": needed}.items():
     Path(venv, f"{name}.txt").write_text("\n".join(lines) + "\n")
 PY
-# What builds the compiled core stays, to build it again after an edit: `make core`.
 install -r "$venv/build.txt"
 echo "compiling the core and installing what it is used with"
 PATH="$(cd "$venv" && pwd)/bin:$PATH"
-{ cmake -S bindings -B bindings -G Ninja -DPython_EXECUTABLE="$(command -v python)" && exec ninja -C bindings; } \
-  >"$venv/core.log" 2>&1 &
+{ cmake -S bindings -B bindings -G Ninja -DPython_EXECUTABLE="$(command -v python)" -DALL_BUILDS=$builds \
+    && exec ninja -C bindings $targets; } >"$venv/core.log" 2>&1 &
 core=$!
 trap 'kill $core 2>/dev/null || true' EXIT
 trap 'exit 130' INT TERM
-install -r "$venv/needed.txt"
+
+# OpenBLAS: with the reference BLAS sparse factorisations take 4 to 8 times longer.
+# shellcheck disable=SC2086
+apt python3-dolfinx python3-dolfinx-real libopenblas0-pthread openmpi-bin python3-scipy python3-h5py python3-netcdf4 \
+    libgl1 libegl1 libglu1-mesa libxcursor1 libxft2 libxinerama1 $more
+
+# pip may not replace what the compiled stack was built against (NumPy 2 would break petsc4py, a bundled HDF5 dolfinx).
+/usr/bin/python3 - >"$venv/constraints.txt" <<'PY'
+from importlib.metadata import PackageNotFoundError, version
+
+for name in ("numpy", "scipy", "mpi4py", "petsc4py", "slepc4py", "cffi", "h5py", "netCDF4",
+             "fenics-dolfinx", "fenics-ufl", "fenics-ffcx", "fenics-basix"):
+    try:
+        print(f"{name}=={version(name)}")
+    except PackageNotFoundError:
+        pass
+PY
+install -c "$venv/constraints.txt" -r "$venv/needed.txt"
 wait $core || { cat "$venv/core.log" >&2; exit 1; }
-install --no-build-isolation -e ".[$extras]"
+install -c "$venv/constraints.txt" --no-build-isolation --config-settings=cmake.define.ALL_BUILDS=$builds \
+  -e ".[$extras]"
 "$venv/bin/python" -c "import dolfinx, numpy; print('dolfinx', dolfinx.__version__, '- numpy', numpy.__version__)"
 touch "$venv/ready" "$venv/$state"  # whatever is ready for more is ready
 [ "$state" != ready-to-test ] || touch "$venv/ready-for-notebooks"
