@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -189,14 +188,15 @@ def load_run(name: str) -> RunScene:
 
 
 def test_no_label_is_cut_off(two_patches: Dataset) -> None:
+    """800 pixels wide; text and axes grow alike with the resolution."""
     with styled():
-        for (name, figure), width in product(all_figures(two_patches).items(), (800, 1280)):
-            figure.set_dpi(width / figure.get_size_inches()[0])
+        for name, figure in all_figures(two_patches).items():
+            figure.set_dpi(800 / figure.get_size_inches()[0])
             figure.draw_without_rendering()
             across, high = figure.bbox.size
             for text in lines_of(figure):
                 box = text.get_window_extent()
-                assert min(box.x0, box.y0, across - box.x1, high - box.y1) >= -1, (name, width, text)
+                assert min(box.x0, box.y0, across - box.x1, high - box.y1) >= -1, (name, text)
 
 
 def test_patches_of_a_scene_have_one_scale_of_lengths_and_pressure(two_patches: Dataset) -> None:
