@@ -243,7 +243,7 @@ def test_damaged_results_are_recomputed(tmp_path: Path, undisturbed: Path, spoil
     assert_same_results(tmp_path, undisturbed)
 
 
-PHASES = {
+BEFORE = {  # nothing is written yet
     "import": "import builtins; kept = builtins.__import__\n"
     "def at(name, *given):\n    if name == 'wheelrail.scenes.runs.run': stop()\n    return kept(name, *given)\n"
     "builtins.__import__ = at",
@@ -251,6 +251,8 @@ PHASES = {
     "header": "import wheelrail.scenes.runs.resume as m; m.header = stop",
     "contact": "import wheelrail.scenes.runs.run as m; m.run_contact = stop",
     "equilibrium": "import wheelrail.vehicle.simulation.time_run as m; m.start_state = stop",
+}
+PHASES = {
     "steps": "import wheelrail.vehicle.simulation.time_run as m; m.Recorder.add = after(m.Recorder.add, 25)",
     "first checkpoint": "import os; os.replace = after(os.replace, 1)",
     "checkpoint": "import os; os.fsync = after(os.fsync, 3)",
@@ -276,6 +278,16 @@ def after(kept, count):
         return kept(*given, **options)
     return stopping
 """
+
+
+@pytest.mark.parametrize("phase", BEFORE)
+def test_a_run_interrupted_at_its_start_leaves_nothing(tmp_path: Path, phase: str) -> None:
+    quick(tmp_path)
+    status, said = stopped(tmp_path, STOP.format(signal="SIGINT") + BEFORE[phase])
+    assert status == 130, said
+    assert re.search("^interrupted", said, re.MULTILINE)
+    assert "Traceback" not in said
+    assert os.listdir(tmp_path) == ["scene.toml"]
 
 
 @pytest.mark.parametrize("phase", PHASES)
