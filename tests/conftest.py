@@ -8,6 +8,7 @@ import os
 os.environ["OMP_NUM_THREADS"] = "1"
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
+import gc
 import logging
 import shutil
 import signal
@@ -45,6 +46,13 @@ def pytest_configure(config: pytest.Config) -> None:
     folder = os.environ["WHEELRAIL_CACHE"] = kept or tempfile.mkdtemp(prefix="wheelrail-test-")
     if not kept:
         config.add_cleanup(partial(shutil.rmtree, folder, ignore_errors=True))
+
+
+def pytest_collection_finish() -> None:
+    """What was imported stays to the end: the collector of cycles need not look at it each time, nor so often."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000)
 
 
 @pytest.fixture(autouse=True)
