@@ -7,6 +7,9 @@ SCENE ?= scenes/curve.toml
 RELEASE ?= trixie
 JOBS ?= 2
 PY = $(VENV)/bin/python
+# What checks found is kept by the content that they looked at, for other clones, too; nothing needs it.
+KEPT ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/wheelrail-checks
+hash = $(shell sha256sum $(1) | sha256sum | cut -c1-16)
 CORE = $(wildcard bindings/*.[ch]pp) $(shell find contact meshes vehicle wheelrail/support wheelrail/export -name '*.hpp')
 # Ninja counts its jobs by itself.
 TOOLS = MAKEFLAGS= PATH=$(abspath $(VENV))/bin:$$PATH
@@ -55,18 +58,19 @@ lint: $(VENV)/ready-to-test
 	@$(MAKE) core
 	$(PY) -m ruff check .
 	$(PY) -m ruff format --check .
-	$(PY) -m mypy
+	$(PY) -m mypy --cache-dir $(KEPT)/mypy
 	$(TOOLS) clang-format --dry-run -Werror $(CORE)
-	@$(MAKE) build/tidied
+	@$(MAKE) $(TIDIED)
 
-# As long as the core stays as it is, clang-tidy has nothing to say: it takes minutes.
-build/tidied: $(CORE) .clang-tidy | $(VENV)/ready-to-test
+# As long as the core stays as it is, clang-tidy has nothing to say.
+TIDIED = $(KEPT)/tidied-$(call hash,$(sort $(CORE)) .clang-tidy pyproject.toml Makefile)
+$(TIDIED): | $(VENV)/ready-to-test
 	@$(MAKE) core
 	together=$$(ls bindings/CMakeFiles/contact-*/Unity/*.cxx | head -1); \
 	others=$$(for file in bindings/*.cpp; do grep -q "/$$file" $$together || echo $$file; done); \
 	printf '%s\n' $$together $$others | $(TOOLS) xargs -P $(JOBS) -I FILE clang-tidy --quiet FILE -- -std=c++20 -Iwheelrail -Ibindings \
 	    $$($(PY) -c "import nanobind, sysconfig; print('-isystem', nanobind.include_dir(), '-isystem', sysconfig.get_path('include'))")
-	@mkdir -p build && touch $@
+	-@mkdir -p $(@D) && touch $@
 
 # Kernels with checked indices, addresses and arithmetic, in a build of their own.
 sanitize: $(VENV)/ready-to-test
