@@ -8,12 +8,13 @@ cd "$(dirname "$0")"
 venv=${VENV:-.venv}
 state=${1:-ready}
 case $state in
-  ready) extras=view; more="" builds=OFF targets="" ;;
-  ready-for-notebooks) extras=view,notebook; more="" builds=OFF targets="" ;;
-  ready-to-test) extras=view,cluster,notebook,docs,dev; more=chromium builds=ON targets="all library" ;;
+  ready) extras=view; builds=OFF targets="" with="" more="" ;;
+  ready-for-notebooks) extras=view,notebook; builds=OFF targets="" with="" more="" ;;
+  ready-to-test) extras=view,cluster,notebook,docs,dev; builds=ON targets="all library" with=ccache more=chromium ;;
   *) echo "bootstrap.sh $state: must be ready, ready-for-notebooks or ready-to-test" >&2; exit 2 ;;
 esac
 
+updated=""
 apt() {
   missing=""
   for package in "$@"; do
@@ -22,15 +23,17 @@ apt() {
   [ -n "$missing" ] || return 0
   echo "installing by apt:$missing"
   sudo=""; [ "$(id -u)" = 0 ] || sudo=sudo
-  $sudo apt-get update -q
+  [ -n "$updated" ] || $sudo apt-get update -q
+  updated=yes
   # shellcheck disable=SC2086
   $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing
 }
-install() { "$venv/bin/python" -m pip install -q --disable-pip-version-check "$@"; }
+install() { "$venv/bin/python" -m pip install -q --no-compile --disable-pip-version-check "$@"; }
 
-# The core needs a compiler and pip's tools alone: it is compiled while apt and pip install the rest, one file at a time.
-# The tools stay, to build it again after an edit: `make core`.
-apt g++ python3-dev python3-venv
+# The core needs a compiler and pip's tools alone: it is compiled while apt and pip, which use one processor, install the
+# rest. The tools stay, to build it again after an edit: `make core`.
+# shellcheck disable=SC2086
+apt g++ python3-dev python3-venv $with
 [ -x "$venv/bin/python" ] || /usr/bin/python3 -m venv --system-site-packages "$venv"
 /usr/bin/python3 - "$extras" "$venv" <<'PY'
 import sys

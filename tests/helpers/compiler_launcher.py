@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -27,7 +28,8 @@ def compiled() -> dict[str, Path]:
     """Objects of the build beside the sources by their commands; none if one of them is out of date."""
     ninja = [str(Path(sys.executable).with_name("ninja")), "-C", str(BINDINGS)]
     listed = subprocess.run([*ninja, "-t", "commands", "all", "library"], check=False, capture_output=True, text=True)
-    commands = [line.split() for line in listed.stdout.splitlines() if " -c " in line and " -o " in line]
+    lines = [line for line in listed.stdout.splitlines() if " -c " in line and " -o " in line]
+    commands = [re.sub(r"^.*/ccache ", "", line).split() for line in lines]
     objects = {wording(own, BINDINGS, BINDINGS): own[own.index("-o") + 1] for own in commands}
     pending = subprocess.run([*ninja, "-n", *objects.values()], check=False, capture_output=True, text=True)
     current = bool(objects) and "no work to do" in pending.stdout
