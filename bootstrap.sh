@@ -74,8 +74,7 @@ for name in ("numpy", "scipy", "mpi4py", "petsc4py", "slepc4py", "cffi", "h5py",
 PY
 install -c "$venv/constraints.txt" -r "$venv/needed.txt"
 wait $core || { cat "$venv/core.log" >&2; exit 1; }
-install -c "$venv/constraints.txt" --no-build-isolation --config-settings=cmake.define.ALL_BUILDS=$builds \
-  -e ".[$extras]"
+install --no-deps --no-build-isolation --config-settings=cmake.define.ALL_BUILDS=$builds -e .
 "$venv/bin/python" -c "import dolfinx, numpy; print('dolfinx', dolfinx.__version__, '- numpy', numpy.__version__)"
 touch "$venv/ready" "$venv/$state"  # whatever is ready for more is ready
 [ "$state" != ready-to-test ] || touch "$venv/ready-for-notebooks"
