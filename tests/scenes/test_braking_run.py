@@ -80,7 +80,8 @@ def test_results_count_from_where_the_vehicle_is(whole: Path) -> None:
     assert data["longitudinal_force"].isel(time=-1).sum("side").max() < -15e3
 
 
-def test_report_has_speed_and_creep_forces(whole: Path, tmp_path: Path) -> None:
+def test_report_has_speed_and_creep_forces(whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("wheelrail.scenes.html_report.figures._saved", lambda figure, kind: b"")  # takes seconds
     page = write_report(whole, tmp_path / "report.html", view=False).read_text(encoding="utf-8")
     assert page.count("data:image/") == 12  # of the track, ten of the run, shakedown
     assert len(pictures_of(results(whole))) == 9

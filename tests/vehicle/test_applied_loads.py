@@ -353,14 +353,14 @@ def test_a_free_run_ends_at_its_distance() -> None:
 
 
 def test_energy_balance_of_a_run_with_motors_brakes_and_wind() -> None:
-    forces = (BodyForce("car_body", (2.0, 0.5, 2.0), -4e3, LoadTable(((0.2, 0.0), (0.7, 8e3))), 2e3),)
-    motors = tuple(WheelsetTorque(name, LoadTable(((0.1, 0.0), (0.9, 3e3)))) for name in NAMES[:2])
+    forces = (BodyForce("car_body", (2.0, 0.5, 2.0), -4e3, LoadTable(((0.1, 0.0), (0.35, 8e3))), 2e3),)
+    motors = tuple(WheelsetTorque(name, LoadTable(((0.05, 0.0), (0.45, 3e3)))) for name in NAMES[:2])
     brakes = tuple(
-        WheelsetTorque(name, LoadTable(((0.5, 0.0), (1.5, 2e3))), "car_body", brake=True) for name in NAMES[2:]
+        WheelsetTorque(name, LoadTable(((0.25, 0.0), (0.75, 2e3))), "car_body", brake=True) for name in NAMES[2:]
     )
-    track = Track.curve(curvature=1 / 500, cant=0.0, transition=15.0, length=50.0)
+    track = Track.curve(curvature=1 / 500, cant=0.0, transition=7.5, length=25.0)
     dynamics = VehicleDynamics(free(), track, LinearCreep(), 20.0, loads=AppliedLoads((*motors, *brakes), forces))
-    run = simulate(dynamics, (0.0, 2.0), steps=StepSettings("rosenbrock", 1e-5, 1e-8))
+    run = simulate(dynamics, (0.0, 1.0), steps=StepSettings("rosenbrock", 1e-5, 1e-8))
     assert run.status == "completed"
     energy = [mechanical_energy(dynamics, row.time, row.state) for row in run.rows]
     powers = np.array(
