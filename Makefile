@@ -77,8 +77,12 @@ sanitize: $(VENV)/ready-to-test
 	@$(MAKE) core sanitized
 	$(PYTEST) $(SANITIZED)
 
+# Compliances of bodies, by the content of the sources that compute them.
+SOLVED = $(KEPT)/solved-$(call hash,$(sort $(shell find contact forms meshes wheelrail/support -name '*.py' -o -name '*.hpp')) $(VENV)/constraints.txt)
+suite: export WHEELRAIL_TEST_CACHE ?= $(shell mkdir -p $(SOLVED) && touch $(SOLVED) && echo $(SOLVED))
 suite: $(VENV)/ready-to-test
 	@$(MAKE) core
+	-@find $(KEPT) -mindepth 1 -maxdepth 1 ! -name mypy -mtime +7 -exec rm -rf {} +
 	$(PYTEST) $(SHARED) --max-worker-restart 0 $(DRAWN)
 	$(PYTEST) $(SHARED) --max-worker-restart 0 $(patsubst %,--ignore=%,$(DRAWN) $(SANITIZED))
 
