@@ -6,6 +6,7 @@ import shutil
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -48,6 +49,12 @@ def wear(
     """Results of some cases."""
     table = check_wear({**VEHICLE, "law": {"name": "usfd", "scale": 0.18}, "until": 1.0, "duty": duty, **more})
     return WearLoop(Duty(table, Path("wear.toml")), folder, executor=executor).run(resume=resume)
+
+
+@cache
+def sharp(until: float, both_hands: bool = False) -> Dataset:
+    """Of both sides of a vehicle in a sharp curve to the left, or in curves of both hands."""
+    return wear({"share": 1.0, "steady": SHARP, "both_hands": both_hands}, profiles="sides", until=until)
 
 
 @pytest.fixture(scope="module")
@@ -174,15 +181,13 @@ def test_rows_of_a_run_are_lifted() -> None:
 
 
 def test_hands_are_mirror_images_and_shares_linear() -> None:
-    left, right = (
-        wear({"share": 1.0, "steady": {**SHARP, "curvature": hand / 600.0}}, profiles="sides", until=5e5)
-        for hand in (1.0, -1.0)
-    )
+    left = sharp(5e5)
+    right = wear({"share": 1.0, "steady": {**SHARP, "curvature": -1.0 / 600.0}}, profiles="sides", until=5e5)
     depth, mirrored = left["depth"].values[-1], right["depth"].values[-1, ::-1]
     assert depth.max() > 1e-6
     np.testing.assert_allclose(depth, mirrored, atol=1e-9)
     assert abs(depth[0] - depth[1]).max() > 0.3 * depth.max()
-    both = wear({"share": 1.0, "steady": SHARP, "both_hands": True}, profiles="sides")
+    both = sharp(1e5, both_hands=True)
     rates = both["depth_rate"].values[0, 0]
     np.testing.assert_allclose(rates[0], 0.5 * left["depth_rate"].values[0, 0].sum(axis=0), atol=1e-9 * rates.max())
     one = wear({"share": 1.0, "steady": SHARP})
@@ -221,10 +226,8 @@ def test_varied_values_are_cases_with_their_weights() -> None:
 
 def test_a_turned_vehicle_wears_both_sides_alike() -> None:
     """Half with the vehicle as it stands, half with its left wheels on the right, as in two curves of both hands."""
-    left, both, turned = (
-        wear({"share": 1.0, "steady": SHARP, "both_hands": hands}, profiles="sides", turned=turned, until=1e5)
-        for hands, turned in ((False, False), (True, False), (False, True))
-    )
+    left, both = sharp(5e5), sharp(1e5, both_hands=True)
+    turned = wear({"share": 1.0, "steady": SHARP}, profiles="sides", turned=True, until=1e5)
     assert turned["case"].values.tolist() == ["1: R 600 m, 25 m/s", "1: R 600 m, 25 m/s, turned"]
     largest = both["area_rate"].values[0].max()
     np.testing.assert_allclose(turned["area_rate"].values[0], both["area_rate"].values[0], atol=1e-6 * largest)
