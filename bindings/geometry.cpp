@@ -41,9 +41,6 @@ void bind_surfaces(nb::module_& m) {
     structure<Penetration>(m, "Penetration", {"depth", "slope", "foot"},
                            "Penetration at n points: depth (n,) m, -inf beyond the ends of the rail; its derivative "
                            "slope (n,) along x; foot (n,) m, arc length of the closest points on the lower body.");
-    structure<PenetrationChanges>(m, "PenetrationChanges", {"depth", "foot"},
-                                  "Derivatives (n, 6) of the penetration and of the closest points at n points by the "
-                                  "pose of the wheel's frame.");
     m.def(
         "penetration",
         [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, const Numbers& s,
@@ -53,15 +50,6 @@ void bind_surfaces(nb::module_& m) {
         },
         "surface"_a, "origin"_a, "rotation"_a, "s"_a, "x"_a, Unlocked(),
         "`Penetration` of points s, x (n,) m across and along, at a pose (3,) m and (3, 3).");
-    m.def(
-        "penetration_changes",
-        [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, const Numbers& s,
-           const Numbers& x) {
-            require_places(s, x);
-            return penetration_changes(surface, pose(origin, rotation), s, x);
-        },
-        "surface"_a, "origin"_a, "rotation"_a, "s"_a, "x"_a, Unlocked(),
-        "`PenetrationChanges` at points s, x (n,) m across and along, at a pose (3,) m and (3, 3).");
     m.def(
         "crests",
         [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, const Numbers& s) {

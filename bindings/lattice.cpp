@@ -112,13 +112,6 @@ void bind_system(nb::module_& m) {
         "values"_a, "step"_a, Unlocked(),
         "Largest entry and norm of a step (S, block) over the largest amplitude of the pressure, or half length.");
     m.def(
-        "inner_product",
-        [](Rows values, Rows first, Rows second) {
-            require_step(values, first), require_step(values, second);
-            return inner_product(values, first, second);
-        },
-        "values"_a, "first"_a, "second"_a, Unlocked(), "That of two steps (S, block), of the norm of `relative_size`.");
-    m.def(
         "leaving",
         [](Rows values, Rows step, double size, Numbers whole) {
             require_step(values, step);

@@ -45,10 +45,6 @@ void bind_factors(nb::module_& m) {
 }
 
 void bind_iteration(nb::module_& m) {
-    std::pair<const char*, Event> events[] = {
-        {"CONVERGED", CONVERGED}, {"ENTRY", ENTRY},       {"LEAVES", LEAVES},     {"PAUSED", PAUSED},
-        {"OUTSIDE", OUTSIDE},     {"SINGULAR", SINGULAR}, {"TOO_LONG", TOO_LONG}, {"NOT_FINITE", NOT_FINITE}};
-    for (auto [name, event] : events) m.attr(name) = int(event);
     structure<Steps>(m, "Steps",
                      {"converged", "values", "step", "leaves", "size", "first", "evaluation", "evaluations"},
                      "State after some steps with the same factors.");

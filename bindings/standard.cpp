@@ -60,21 +60,6 @@ void bind_ellipses(nb::module_& m) {
         "Potential of a strip's pressure at a lateral distance away m: the integral m over x of sqrt(half^2 - x^2) / "
         "sqrt(x^2 + away^2).");
     m.def(
-        "axis_ratio_slope",
-        [](double curvatures) {
-            auto ratio = axis_ratio(variable<Dual<1>>(curvatures, 0, curvatures));
-            return ratio.d[0] / ratio.v;
-        },
-        "curvatures"_a, "Logarithmic derivative of `axis_ratio`.");
-    m.def(
-        "potential_slopes",
-        [](double half, double away) {
-            using T = Dual<2>;
-            T at = strip_potential(variable<T>(half, 0), variable<T>(away, 1));
-            return Triple{at.v, at.d[0], at.d[1]};
-        },
-        "half"_a, "away"_a, "`strip_potential` and its derivatives by half length and distance.");
-    m.def(
         "polach",
         [](const std::array<double, 3>& creepages, const std::array<double, 2>& semi_axes, double bound, double G,
            const std::array<double, 3>& kalker, const std::array<double, 2>& reduction) {

@@ -27,9 +27,6 @@ struct WheelAndRail {
     }
 };
 
-using FourNumbers = std::tuple<double, double, double, double>;
-FourNumbers four(const Four& a) { return {a[0], a[1], a[2], a[3]}; }
-
 }  // namespace
 
 void bind_table(nb::module_& m) {
@@ -43,16 +40,6 @@ void bind_table(nb::module_& m) {
         "Grids of a `NormalTable` and a `FrictionTable`, coefficient of friction, radius m of the "
         "wheel, nominal lateral position m of its tread from the rail's origin, and widths (4,) of its "
         "border in y m, roll and yaw rad, and level, or (0,).");
-    m.def(
-        "stencil",
-        [](Numbers nodes, double x) {
-            require(nodes.size() > 0, "nodes: must be at least one");
-            Stencil of(nodes, x);
-            return std::tuple{of.first, of.count, four(of.weights), four(of.slopes)};
-        },
-        "nodes"_a, "x"_a,
-        "Weights of the values at up to four of increasing nodes (n,) around an argument: number of the first node, "
-        "number of nodes, weights, zero beyond these, and their derivatives.");
     m.def(
         "interpolated",
         [](const Grid& grid, Numbers at, bool slopes) {

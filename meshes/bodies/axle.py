@@ -62,11 +62,6 @@ class AxleShape:
         return None
 
     @property
-    def journal_y(self) -> float:
-        """y of the journal's middle, m."""
-        return 0.5 * (self.journal[0] + self.journal[1])
-
-    @property
     def journal_radius(self) -> float:
         """Radius of the journal, m."""
         diameter = self.diameter(*self.journal)

@@ -10,16 +10,7 @@ from wheelrail.vehicle.evaluation.section_statistics import (
     SAFETY,
     estimated_maximum,
     target_estimate,
-    track_sections,
 )
-
-
-def test_sections_of_equal_length() -> None:
-    distance = np.arange(0.0, 1000.0, 2.5)
-    sections = track_sections(distance + 40.0, 250.0)
-    assert [(distance[a], distance[b]) for a, b in sections] == [(0.0, 250.0), (250.0, 500.0), (500.0, 750.0)]
-    with pytest.raises(ValueError, match="must be 250 m at least"):
-        track_sections(distance[:50], 250.0)
 
 
 def test_maximum_of_equal_sections() -> None:

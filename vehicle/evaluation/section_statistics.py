@@ -8,29 +8,12 @@ with Student's t in the place of k (two-dimensional method) are from memory, unc
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from wheelrail.support.arrays import Array
 
 SAFETY, LOADING, QUASI_STATIC = 3.0, 2.2, 0.0  # factors k of the standard deviation
-
-
-def track_sections(distance: Array, length: float) -> list[tuple[int, int]]:
-    """First and last sample, inclusive, of consecutive sections of a length m; the incomplete last one is left out.
-
-    Parameters:
-        distance: (n,) m along the track, increasing.
-        length: m.
-
-    Raises ValueError for less than one section.
-    """
-    count = int((distance[-1] - distance[0]) / length * (1 + 1e-12))
-    if count < 1:
-        raise ValueError(f"{distance[-1] - distance[0]:.4g} m of track: must be {length:g} m at least, one section")
-    bounds = np.searchsorted(distance, distance[0] + length * np.arange(count + 1) * (1 - 1e-12)).tolist()
-    return list(pairwise(bounds))
 
 
 def estimated_maximum(values: Array, factor: float) -> float:

@@ -1,9 +1,9 @@
-"""Curve of constant radius and cant at constant speed: cant deficiency, equilibrium speed."""
+"""Curve of constant radius and cant at constant speed: cant deficiency."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from math import asin, copysign, cos, isfinite, sin, sqrt, tan
+from math import asin, copysign, cos, isfinite, sin
 
 from wheelrail.vehicle.track.piecewise import PiecewiseFunction
 from wheelrail.vehicle.track.track import Track
@@ -58,9 +58,3 @@ class ConstantCurve:
     def deficiency(self, gravity: float = 9.81) -> float:
         """Cant deficiency, m: base V^2 / (g R) minus the cant."""
         return self.base * self.speed**2 * abs(self.curvature) / gravity - self.cant
-
-    def balance_speed(self, gravity: float = 9.81) -> float:
-        """Equilibrium speed (no cant deficiency), m/s. Raises ValueError without curvature or cant."""
-        if self.curvature == 0.0 or self.cant <= 0.0:
-            raise ValueError("balance speed: curvature must not be 0 and cant must be positive")
-        return sqrt(gravity * tan(self.angle) / abs(self.curvature))

@@ -49,13 +49,6 @@ struct Penetration {
     auto fields() { return std::tie(depth, slope, foot); }
 };
 
-// Derivatives (n, 6) of the penetration and of the closest points at n points by the pose of the wheel's frame.
-struct PenetrationChanges {
-    Array<double, 2> depth, foot;
-
-    auto fields() { return std::tie(depth, foot); }
-};
-
 // Points (n, 3) m of the upper body and its axes (n, 3, 3) there: longitudinal, lateral and outward; forward (n, 3):
 // change of the points along x; turn (3,) rad/m: rotation of the axes along x.
 struct SurfaceFrames {
@@ -155,19 +148,6 @@ inline Penetration penetration(const SurfaceData& surface, const Pose<double>& p
     for (long i = 0; i < s.size(); ++i) {
         auto at = penetration_at(walk, pose, s(i), variable<Dual<1>>(x(i), 0));
         result.depth(i) = at.depth.v, result.slope(i) = at.depth.d[0], result.foot(i) = at.foot.v;
-    }
-    return result;
-}
-
-// `PenetrationChanges` at points s, x (n,) m across and along.
-inline PenetrationChanges penetration_changes(const SurfaceData& surface, const Pose<double>& pose, const Numbers& s,
-                                              const Numbers& x) {
-    PenetrationChanges result{Array<double, 2>(s.size(), POSE), Array<double, 2>(s.size(), POSE)};
-    Walk walk(surface);
-    auto moving = varied<Dual<POSE>>(pose);
-    for (long i = 0; i < s.size(); ++i) {
-        auto at = penetration_at(walk, moving, s(i), x(i));
-        for (int k = 0; k < POSE; ++k) result.depth(i, k) = at.depth.d[k], result.foot(i, k) = at.foot.d[k];
     }
     return result;
 }

@@ -12,11 +12,9 @@ from standard_pair import MOUNTING, RAIL, WHEEL, wheel_on_rail
 
 from wheelrail.bindings._contact import (
     axis_ratio,
-    axis_ratio_slope,
     complete,
     ellipse,
     polach,
-    potential_slopes,
     strip_potential,
 )
 from wheelrail.contact.analytical.hertz import hertz
@@ -405,20 +403,6 @@ def test_variants_without_a_tangent() -> None:
         result = wheel_on_rail(**options)(STATE, "left")
         with pytest.raises(ValueError, match="has no tangent"):
             result.tangent()
-
-
-@pytest.mark.parametrize("ratio", [0.02, 0.3, 0.9, 1 - 1e-7])
-def test_derivatives_of_elliptic_functions(ratio: float) -> None:
-    """The ratio of semi-axes by that of curvatures, and the deflection beside a strip, by secants."""
-    step = 1e-4 * (1 - ratio)
-    ahead, behind = (np.log(axis_ratio(ratio * np.exp(way * step))) for way in (1.0, -1.0))
-    assert axis_ratio_slope(ratio) == pytest.approx((ahead - behind) / (2 * step), rel=1e-4)
-    half, away = 4e-3, 4e-3 * ratio
-    value, by_half, by_away = potential_slopes(half, away)
-    assert value == pytest.approx(strip_potential(half, away), rel=1e-14)
-    for slope, along, across in ((by_half, 1e-8, 0.0), (by_away, 0.0, 1e-8)):
-        values = [strip_potential(half + way * along, away + way * across) for way in (1.0, -1.0)]
-        assert slope == pytest.approx((values[0] - values[1]) / 2e-8, rel=1e-5)
 
 
 def test_contact_points_of_a_yawed_wheel_face_the_rail() -> None:

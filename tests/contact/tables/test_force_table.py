@@ -11,7 +11,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 from standard_pair import MOUNTING, wheel_on_rail
 
-from wheelrail.bindings._contact import Grid, interpolated, level_at, stencil
+from wheelrail.bindings._contact import Grid, interpolated, level_at
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.models.table.force_table import ForceTable, TreadFrame
@@ -50,22 +50,6 @@ def contact(friction: float = 0.3) -> WheelsetContact:
 def spline(nodes: Array, values: Array) -> CubicHermiteSpline:
     """The interpolant of SciPy with slopes of parabolas by NumPy."""
     return CubicHermiteSpline(nodes, values, np.gradient(values, nodes, axis=0, edge_order=min(2, len(nodes) - 1)))
-
-
-@pytest.mark.parametrize("count", [2, 3, 4, 5])
-def test_stencil_is_the_hermite_spline_of_scipy(count: int) -> None:
-    nodes, values = np.array([0.0, 0.3, 1.0, 1.2, 2.0])[:count], np.array([0.0, 1.0, 0.5, 2.0, 1.5])[:count]
-    expected = spline(nodes, values)
-    for x in np.linspace(nodes[0], nodes[-1], 23):
-        first, used, weights, slopes = stencil(nodes, float(x))
-        own = values[first : first + used]
-        assert np.dot(weights[:used], own) == pytest.approx(expected(x), abs=1e-14)
-        assert np.dot(slopes[:used], own) == pytest.approx(expected(x, 1), abs=1e-13)
-        assert not any(weights[used:] + slopes[used:])
-
-
-def test_one_node_is_a_constant() -> None:
-    assert stencil(np.ones(1), 2.5) == (0, 1, (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("counts", [(6, 3, 4), (1, 5, 2), (2, 1, 1)])
