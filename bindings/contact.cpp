@@ -16,6 +16,7 @@ void bind_lattice_contact(nb::module_& m);
 void bind_standard(nb::module_& m);
 void bind_results(nb::module_& m);
 void bind_table(nb::module_& m);
+void bind_loading(nb::module_& m);
 void bind_element(nb::module_& m);
 
 NB_MODULE(_contact, m) {
@@ -33,5 +34,6 @@ NB_MODULE(_contact, m) {
     bind_lattice_contact(m);
     bind_standard(m);
     bind_table(m);
+    bind_loading(m);
     bind_element(m);
 }

@@ -4,7 +4,6 @@ from .flexible_wheelset import FlexibleWheelset as FlexibleWheelset
 from .flexible_wheelset import Loads as Loads
 from .hertz import hertz_pose as hertz_pose
 from .hertz import hertz_under_load as hertz_under_load
-from .hertz import sphere_approach as sphere_approach
 from .load_search import LoadError as LoadError
 from .load_search import LoadSolution as LoadSolution
 from .load_search import find_depth_for_load as find_depth_for_load

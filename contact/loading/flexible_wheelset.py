@@ -15,13 +15,14 @@ from functools import cached_property
 
 import numpy as np
 
+from wheelrail.bindings._contact import compliant, lifted, position_at
 from wheelrail.contact.kinematics.frames import SIDES, Side
 from wheelrail.contact.kinematics.wheelset_state import STATE_MIRRORED, WheelsetState
 from wheelrail.contact.loading.flexible_state import FlexibleState
-from wheelrail.contact.loading.load_search import LoadError, Results, compliant, find_depth_for_load
+from wheelrail.contact.loading.load_search import LoadError, Results, find_depth_for_load
 from wheelrail.contact.loading.moved_pair import COORDINATES, HUB, RAIL, MovedPair
-from wheelrail.contact.loading.two_wheels import at_depths, find_depths_for_loads
-from wheelrail.contact.loading.wheelset import lifted, penetration_of
+from wheelrail.contact.loading.two_wheels import find_depths_for_loads
+from wheelrail.contact.loading.wheelset import penetration_of
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.solvers.tangent import MIRRORED
@@ -418,7 +419,8 @@ class FlexibleWheelset:
         deepest = float(expected.max())
 
         def at(depths: Array | float) -> WheelsetState:
-            return at_depths(level, np.broadcast_to(depths, 2), base)
+            z, roll = position_at(np.broadcast_to(depths, 2).tolist(), level.roll, base)
+            return replace(level, z=z, roll=roll)
 
         def solved(depths: Array | float, own: Results | None) -> Results:
             return self._trial(at(depths), motions, own or guess).results

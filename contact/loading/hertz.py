@@ -6,27 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wheelrail.bindings._contact import RTOL
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
-from wheelrail.contact.loading.load_search import (
-    RTOL,
-    LoadSolution,
-    Results,
-    find_depth_for_load,
-)
+from wheelrail.contact.loading.load_search import LoadSolution, Results, find_depth_for_load
 
 if TYPE_CHECKING:
     from wheelrail.contact.models.wheelset import ContactModel
-
-
-def sphere_approach(load: float, *, radius: float, modulus: float) -> float:
-    """Hertzian approach m of a sphere on a plane, as initial guess of a load search.
-
-    Parameters:
-        load: N.
-        radius: m.
-        modulus: contact modulus E*, Pa, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
-    """
-    return float((9.0 * load**2 / (16.0 * modulus**2 * radius)) ** (1.0 / 3.0))
 
 
 def hertz_pose(approach: float) -> Pose:

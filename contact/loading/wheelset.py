@@ -2,38 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 
+from wheelrail.bindings._contact import RTOL, LoweredWheelset, compliant
 from wheelrail.contact.geometry.grid_points import SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import SIDES, Pose, RigidMotion, Side
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
-from wheelrail.contact.loading.load_search import (
-    NOISE,
-    RTOL,
-    LoadError,
-    LoadSolution,
-    Results,
-    compliant,
-    find_depth_for_load,
-)
-from wheelrail.contact.loading.two_wheels import at_depths, find_depths_for_loads
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.contact.results.result import ContactResult
-from wheelrail.support.arrays import Array
-
-DEEPEST = 0.05  # m below the nominal height, limit of the search
-FRICTIONLESS = 1e-3  # tolerance of the load without friction, for a first depth
-DEEP = 3.0  # times the expected approach: too large a penetration to start from
-SHALLOW = 1e-3  # times that: 0.8 nm of a cylinder on a plane, as long as wide, took 7 GB on the finest strips
-TOO_FAR = 50.0  # times the expected approach, with which no wheel carries its load: steep flanges take 35 times at most
-HELD = 2e-4  # m, as under usual loads: friction may hold a wheel down on a steep flange to this under any load
-STEPS, FLATTEST = 12, 0.1  # to a start without a solve; smallest change of the penetration by the height that they use
+from wheelrail.support.interrupts import check_interrupt
 
 
 @runtime_checkable
@@ -113,12 +96,13 @@ def wheel_under_load(
         load: N.
         expected: m, estimate of the approach.
         rtol: of the load.
-        near: a similar state and its converged result, to begin with: a third of the time, to `NOISE` of the load.
+        near: a similar state and its converged result, to begin with: a third of the time, to 1e-6 of the load.
 
     Raises LoadError.
     """
-    solution = _find_depth(contact, state, (side,), load, expected, rtol, near)
-    return WheelsetEquilibrium(replace(state, z=-solution.depth), {side: solution.results[0]}, solution.trials)
+    start = _by_tangent(contact, state, side, load, *near) if near else None
+    found = _lowered(contact, state).under_load([SIDES.index(side)], load, expected, rtol, start)
+    return _equilibrium(state, (side,), *found)
 
 
 def axle_under_load(
@@ -128,10 +112,7 @@ def axle_under_load(
 
     Parameters as for `wheel_under_load`. Raises LoadError.
     """
-    solution = _find_depth(contact, state, SIDES, load, expected, rtol)
-    return WheelsetEquilibrium(
-        replace(state, z=-solution.depth), dict(zip(SIDES, solution.results, strict=True)), 2 * solution.trials
-    )
+    return _equilibrium(state, SIDES, *_lowered(contact, state).under_load([0, 1], load, expected, rtol))
 
 
 def wheels_under_load(
@@ -141,93 +122,53 @@ def wheels_under_load(
 
     Parameters as for `wheel_under_load`. Raises LoadError.
     """
-    base = contact.mounting.wheel_y
-    starts = [_find_depth(contact, state, (side,), load, expected, 0.02) for side in SIDES]
-
-    def wheel(lowered: WheelsetState, side: Side, guess: ContactResult | None) -> ContactResult:
-        own = contact.of(side)
-        penetration = _penetration(own, lowered, side) if isinstance(own.model, HasProblem) else np.nan
-        if penetration > max(TOO_FAR * expected, HELD):
-            return ContactResult.failed(f"{1e3 * penetration:.3g} mm deep, far beyond its load", penetration)
-        return contact(lowered, side, guess)
-
-    def wheels(depths: Array, guess: Results | None) -> Results:
-        lowered = at_depths(state, depths, base)
-        return tuple(wheel(lowered, side, guess[i] if guess else None) for i, side in enumerate(SIDES))
-
-    def known(depths: Array) -> Array:
-        lowered = at_depths(state, depths, base)
-        return np.array([_penetration(contact.of(side), lowered, side) for side in SIDES])
-
-    approach = np.array([start.results[0].approach for start in starts])
-    depths, results, trials = find_depths_for_loads(
-        wheels,
-        np.full(2, load),
-        start=lifted(np.array([start.depth for start in starts]), approach, expected, known),
-        slopes=np.array([start.slope for start in starts]),
-        guess=tuple(start.results[0] for start in starts),
-        rtol=rtol,
-    )
-    solves = sum(start.trials for start in starts) + 2 * trials
-    return WheelsetEquilibrium(at_depths(state, depths, base), dict(zip(SIDES, results, strict=True)), solves)
+    return _equilibrium(state, SIDES, *_lowered(contact, state).each_under_load(load, expected, rtol))
 
 
-def lifted(depths: Array, approach: Array, expected: float, penetration: Callable[[Array], Array]) -> Array:
-    """Depths (n,) m from which wheels are solved: those far deeper than under their loads, as on a flange by
-    millimetres, are lifted to their approach.
-
-    Parameters:
-        depths: (n,) m, of each wheel or of both together.
-        approach: (n,) m, under the loads.
-        expected: m, by which the penetration may exceed it.
-        penetration: of the undeformed surfaces (n,) m at depths; NaN where only a solve tells it.
-    """
-    before = np.zeros((2, len(depths)))
-    for step in range(STEPS):
-        known = penetration(depths)
-        deep = known > approach + expected
-        if not deep.any():
-            break
-        way = depths - before[0]
-        change = (known - before[1]) / np.where(way != 0.0, way, np.inf) if step else np.ones(len(depths))
-        before = np.array([depths, known])
-        depths = depths - np.where(deep, (known - approach) / np.clip(change, FLATTEST, 1.0), 0.0)
-    return depths
-
-
-def _find_depth(
-    contact: WheelsetContact,
+def _equilibrium(
     state: WheelsetState,
     sides: tuple[Side, ...],
-    load: float,
-    expected: float,
-    rtol: float,
-    near: tuple[WheelsetState, ContactResult] | None = None,
-) -> LoadSolution:
-    def wheels(depth: float, guess: Results | None) -> Results:
-        lowered = replace(state, z=-depth)
-        return tuple(contact(lowered, side, guess[i] if guess else None) for i, side in enumerate(sides))
+    z: float,
+    roll: float,
+    results: tuple[ContactResult, ...],
+    solves: int,
+) -> WheelsetEquilibrium:
+    return WheelsetEquilibrium(replace(state, z=z, roll=roll), dict(zip(sides, results, strict=True)), solves)
 
-    if near:
-        first: LoadSolution | None = _by_tangent(contact, state, sides[0], load, *near)
-        rtol = max(rtol, NOISE)
-    else:
-        first = _without_friction(contact, state, sides, load, expected)
-    start = first.depth if first else min(_initial_depth(contact, state, side, expected) for side in sides)
-    guess, slope = (first.results, first.slope) if first else (None, None)
-    try:
-        found = find_depth_for_load(
-            wheels, load, expected=expected, start=start, rtol=rtol, deepest=DEEPEST, guess=guess, known_slope=slope
-        )
-        return replace(found, trials=found.trials + (first.trials if first else 0))
-    except LoadError as error:
-        raise LoadError(f"{' and '.join(sides)} wheel: {error}") from None
+
+def _lowered(contact: WheelsetContact, state: WheelsetState) -> LoweredWheelset:
+    """Wheels of a state but for its height and roll, for the core's searches."""
+    frictionless = contact.changed(lambda own: own.frictionless if isinstance(own, HasFrictionless) else own)
+    models = [contact.of(side).model for side in SIDES]
+    return LoweredWheelset(
+        state.z,
+        state.roll,
+        contact.mounting.wheel_y,
+        partial(_solve, contact, state),
+        partial(_penetration, contact, state),
+        [isinstance(model, HasProblem) for model in models],
+        partial(_solve, frictionless, state),
+        [frictionless.of(side).model is not model for side, model in zip(SIDES, models, strict=True)],
+    )
+
+
+def _solve(
+    contact: WheelsetContact, state: WheelsetState, side: int, z: float, roll: float, guess: ContactResult | None
+) -> ContactResult:
+    check_interrupt()
+    return contact(replace(state, z=z, roll=roll), SIDES[side], guess)
+
+
+def _penetration(contact: WheelsetContact, state: WheelsetState, side: int, z: float, roll: float) -> float:
+    """Largest penetration m of the undeformed surfaces of a wheel; NaN of models that tell it by a solve alone."""
+    own, placed = contact.of(SIDES[side]), replace(state, z=z, roll=roll)
+    return penetration_of(own.model, *own.mounting.left_pair(placed.mirrored() if side else placed))
 
 
 def _by_tangent(
     contact: WheelsetContact, state: WheelsetState, side: Side, load: float, near: WheelsetState, result: ContactResult
-) -> LoadSolution:
-    """Depth and slope of a wheel under a load by the tangent at a similar state; at its height without one."""
+) -> tuple[float, tuple[ContactResult], float]:
+    """Depth, result and slope of a wheel under a load by the tangent at a similar state; at its height without one."""
     depth, slope = -near.z, compliant(load) / result.approach
     with suppress(ValueError, RuntimeError):
         by = contact.tangent(near, side, result)[2]
@@ -237,43 +178,7 @@ def _by_tangent(
         lowered = (load - result.force[2] - by @ change) / -by[z]
         if by[z] < 0.0 and abs(lowered) < result.approach:
             depth, slope = depth + lowered, -2.0 / 3.0 * by[z] / np.cbrt(load)
-    return LoadSolution(float(depth), (result,), np.inf, 0, float(slope))
-
-
-def _without_friction(
-    contact: WheelsetContact, state: WheelsetState, sides: tuple[Side, ...], load: float, expected: float
-) -> LoadSolution | None:
-    """Solution of a quicker frictionless model, from which that with friction starts; None without one."""
-    frictionless = contact.changed(lambda own: own.frictionless if isinstance(own, HasFrictionless) else own)
-    if any(frictionless.of(side).model is not contact.of(side).model for side in sides):
-        with suppress(LoadError):
-            return _find_depth(frictionless, state, sides, load, expected, FRICTIONLESS)
-    return None
-
-
-def _initial_depth(contact: WheelsetContact, state: WheelsetState, side: Side, expected: float) -> float:
-    """Initial depth m: beyond a gap; on strips of the expected approach, on a grid where there are not many more
-    candidate points than under the load.
-
-    0.7 mm on the flange root at a grid of 1 mm are 1600 points, whose compliance takes a gigabyte; under the load they
-    are 770. On strips a solve at six times the load takes ten times as long as one under the load.
-    """
-    own, depth, before = contact.of(side), -state.z, (0.0, 0.0)
-    largest = expected if isinstance(own.model, HasProblem) else DEEP * expected
-    for step in range(STEPS):
-        penetration = _penetration(own, replace(state, z=-depth), side)
-        if not (penetration < SHALLOW * expected or penetration > largest):
-            break
-        # on a flange face the distance of both surfaces changes by a part of the height
-        change = (penetration - before[1]) / (depth - before[0]) if step > 0 and depth != before[0] else 1.0
-        before = depth, penetration
-        depth -= (penetration - expected) / min(max(change, FLATTEST if penetration > 0.0 else 1.0), 1.0)
-    return depth
-
-
-def _penetration(contact: WheelsetContact, state: WheelsetState, side: Side) -> float:
-    """Largest penetration m of the undeformed surfaces of a wheel; NaN of models that tell it by a solve alone."""
-    return penetration_of(contact.model, *contact.mounting.left_pair(state if side == "left" else state.mirrored()))
+    return float(depth), (result,), float(slope)
 
 
 def penetration_of(model: ContactModel, pose: Pose, motion: RigidMotion) -> float:

@@ -10,13 +10,13 @@ from functools import cache
 import numpy as np
 import pytest
 
+from wheelrail.bindings._contact import sphere_approach
 from wheelrail.contact.geometry.grid_points import SurfacePair
 from wheelrail.contact.kinematics.contact_points import OutsideSurface
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
-from wheelrail.contact.loading.hertz import sphere_approach
 from wheelrail.contact.loading.wheelset import wheel_under_load
 from wheelrail.contact.models.builders import wheel_rail_pair
 from wheelrail.contact.models.condensed import CondensedContact

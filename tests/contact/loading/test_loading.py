@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from spring_contact import SpringContact
 
+from wheelrail.bindings._contact import JUMP, RTOL, sphere_approach
 from wheelrail.contact.kinematics.frames import RigidMotion, Side, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
-from wheelrail.contact.loading.hertz import hertz_under_load, sphere_approach
-from wheelrail.contact.loading.load_search import JUMP, RTOL, LoadError, Results, find_depth_for_load
-from wheelrail.contact.loading.two_wheels import _bracketed, find_depths_for_loads
+from wheelrail.contact.loading.hertz import hertz_under_load
+from wheelrail.contact.loading.load_search import LoadError, Results, find_depth_for_load
+from wheelrail.contact.loading.two_wheels import find_depths_for_loads
 from wheelrail.contact.loading.wheelset import axle_under_load, wheel_under_load, wheels_under_load, wheelset_at_state
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.contact.results.result import ContactResult
@@ -47,7 +48,7 @@ def test_ctrl_c_ends_a_search_after_the_present_solve() -> None:
 def test_sphere_approach_is_that_of_hertz() -> None:
     # Closed form: F = 4/3 E* sqrt(R) d^1.5 with the contact modulus E*.
     modulus = 2.1e11 / (2.0 * (1.0 - 0.3**2))
-    depth = sphere_approach(57e3, radius=0.3, modulus=modulus)
+    depth = sphere_approach(57e3, 0.3, modulus)
     force = 4.0 / 3.0 * modulus * np.sqrt(0.3) * depth**1.5
     assert force == pytest.approx(57e3, rel=1e-12)
 
@@ -221,7 +222,10 @@ def test_a_balance_within_its_tolerance_is_no_jump() -> None:
     def contact(depths: np.ndarray, guess: object) -> tuple[ContactResult, ...]:
         return tuple(pushed(STIFFNESS * max(d, 0.0) ** 1.5, d)[0] for d in depths)
 
-    _, results, _ = _bracketed(contact, loads, np.array([-3e-5, 2e-5]), 6e-5, 1e-2)
+    slopes = np.full(2, 57e3 ** (2.0 / 3.0) / 6e-5)
+    _, results, _ = find_depths_for_loads(
+        contact, loads, start=np.array([-3e-5, 2e-5]), slopes=slopes, rtol=1e-2, max_trials=0
+    )
     errors = np.array([r.force[2] for r in results]) / loads - 1.0
     assert np.abs(errors).max() < 1e-2
     assert np.abs(errors).max() > JUMP

@@ -52,7 +52,7 @@ def hertz_motion(scene: HertzScene) -> RigidMotion:
 
 def hertz_scale(scene: HertzScene, load: float) -> float:
     """Initial guess of the approach for a load N, m: Hertz's for a sphere of the mean relative curvature."""
-    from wheelrail.contact.loading.hertz import sphere_approach
+    from wheelrail.bindings._contact import sphere_approach
 
     curvature = sum(1.0 / radius for body in (scene.upper, scene.lower) for radius in body.radii)
     modulus = 1.0 / sum((1.0 - body.nu**2) / body.E for body in (scene.upper, scene.lower))

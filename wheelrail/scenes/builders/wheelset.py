@@ -359,10 +359,15 @@ def inclined_profiles(scene: OnRails, side: Side = "left") -> tuple[Profile, Pro
 
 
 def wheel_scale(scene: WheelsetScene | RunScene, load: float) -> float:
-    """Initial guess of the approach for a wheel load N, m: that of a sphere of rail-head radius, R = 0.3 m."""
-    from wheelrail.contact.loading.hertz import sphere_approach
+    """Initial guess of the approach for a wheel load N, m: that of a sphere of rail-head radius."""
+    from wheelrail.bindings._contact import sphere_approach
 
-    return sphere_approach(load, radius=0.3, modulus=0.5 * scene.E / (1.0 - scene.nu**2))
+    return sphere_approach(load, *wheel_sphere(scene.E, scene.nu))
+
+
+def wheel_sphere(E: float, nu: float) -> tuple[float, float]:
+    """Radius m of a sphere whose approach is about that of a wheel, and its contact modulus Pa."""
+    return 0.3, 0.5 * E / (1.0 - nu**2)
 
 
 def wheelset_state(scene: WheelsetScene) -> WheelsetState:

@@ -277,9 +277,9 @@ def _equilibria(
     near: Starts | None = None,
 ) -> Iterator[tuple[tuple[str, ...], Callable[[], WheelsetEquilibrium]]]:
     """Solves of a wheelset scene: sides, and the function that computes their static equilibrium within rtol of the
-    load, by default `wheelrail.contact.loading.load_search.RTOL`; near as for `solve_sides`.
+    load, by default `RTOL` of the core; near as for `solve_sides`.
     """
-    from wheelrail.contact.loading.load_search import RTOL
+    from wheelrail.bindings._contact import RTOL
     from wheelrail.contact.loading.wheelset import (
         axle_under_load,
         wheel_under_load,
