@@ -39,6 +39,7 @@ nb::bytes sealed(const WheelsetHead& head, const nb::list& models) {
 
 void bind_element(nb::module_& m) {
     m.attr("INTERFACE") = INTERFACE;
+    m.attr("SPEED_INPUT") = SPEED, m.attr("RAIL_INPUTS") = RAILS, m.attr("CREEPAGE_STEP") = CREEPAGE_STEP;
     m.attr("DEFAULT_FILE") = DEFAULT_FILE;
     m.def(
         "input_variables", [] { return rows(input_variables()); },
@@ -88,15 +89,18 @@ void bind_element(nb::module_& m) {
     m.def(
         "sealed_wheelset",
         [](const std::string& token, const Numbers& start, const nb::list& inputs,
-           const std::array<double, 2>& friction, const AllowedRange& coefficients,
-           const std::array<Dimensions, 2>& dimensions, const nb::list& models) {
-            WheelsetHead head{token, start, {}, friction, coefficients, dimensions, long(models.size())};
+           const std::array<double, 2>& friction, const AllowedRange& coefficients, const AllowedRange& loads,
+           const std::array<double, 2>& sphere, const std::array<Dimensions, 2>& dimensions, const nb::list& models) {
+            WheelsetHead head{token, start, {}, friction, coefficients, loads, sphere, dimensions, long(models.size())};
             require(inputs.size() == INPUTS && head.fits(), "must have all inputs, and one or two models");
             for (int k = 0; k < INPUTS; ++k) head.inputs[k] = nb::cast<Kept<AllowedRange>&>(inputs[k]).data;
             return sealed(head, models);
         },
-        "token"_a, "start"_a, "inputs"_a, "friction"_a, "coefficients"_a, "dimensions"_a, "models"_a,
+        "token"_a, "start"_a, "inputs"_a, "friction"_a, "coefficients"_a, "loads"_a, "sphere"_a, "dimensions"_a,
+        "models"_a,
         "File of a wheelset for the library without Python: token of a unit; start (17,), inputs of the scene's state; "
-        "allowed inputs; friction coefficients of both sides, NaN of laws, and what is allowed; dimensions m of both "
+        "allowed inputs; friction coefficients of both sides, NaN of laws, and what is allowed; allowed loads N of a "
+        "wheel; radius m and contact modulus Pa of a sphere whose approach is about that of a wheel; dimensions m of "
+        "both "
         "sides; contact models of both sides, or one for both.");
 }

@@ -69,6 +69,26 @@ extern "C" int wheelrail_solve(int element, const double inputs[], double output
     });
 }
 
+extern "C" int wheelrail_load(int element, int wheels, double load, double inputs[], double outputs[]) {
+    return all().with(element, [&](OpenElement& own) {
+        View<double, 1> values{inputs, {INPUTS}}, filled{outputs, {OUTPUTS}};
+        std::fill(filled.begin(), filled.end(), std::nan(""));
+        own.element.forget();
+        const auto& head = own.file->head;
+        if (wheels < LEFT_WHEEL || wheels > EACH_WHEEL)
+            throw std::invalid_argument(
+                text("load: wheels = %d: must be from %d to %d", wheels, LEFT_WHEEL, EACH_WHEEL));
+        double each = wheels == BOTH_WHEELS ? 0.5 * load : load;
+        if (!head.loads.allow(each))
+            throw std::invalid_argument("load = " + shortest(load) + ": of a wheel must be " + head.loads.allowed);
+        if (auto invalid = head.invalid(values); !invalid.empty()) throw std::invalid_argument("failed: " + invalid);
+        double expected = sphere_approach(each, head.sphere[0], head.sphere[1]);
+        const auto& solution = solve_under_load(own.element, LoadedWheels(wheels), load, expected, values);
+        solution.store(filled);
+        if (!solution.ok()) throw std::invalid_argument(solution.status());
+    });
+}
+
 extern "C" int wheelrail_accept(int element) {
     return all().with(element, [](OpenElement& own) { own.element.accept(); });
 }

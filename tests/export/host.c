@@ -61,6 +61,9 @@ int main(int count, char **arguments)
     wild(element, start, WHEELRAIL_IN_Y, 1e300);
     if (wheelrail_accept(element) != 1) return 1;
     if (wheelrail_solve(element, start, out) || wheelrail_accept(element)) return 1;
+    if (wheelrail_load(element, WHEELRAIL_BOTH, 114e3, start, out) || wheelrail_accept(element)) return 1;
+    printf("%.5e\n", out[WHEELRAIL_OUT_LEFT_FZ] + out[WHEELRAIL_OUT_RIGHT_FZ]);
+    if (!wheelrail_load(element, WHEELRAIL_BOTH, -1.0, start, out) || !isnan(out[0])) return 1;
     for (k = 0; k < 3; k++) {
         static const char *const bad[] = {"{\"friction\": -1}", "{", "{\"scene\": \"none.toml\"}"};
         if (wheelrail_open(bad[k], NULL)) return 1;

@@ -14,8 +14,14 @@ from typer.testing import CliRunner
 
 import wheelrail as wr
 from wheelrail.api.elements.variables import FORCES, INPUTS, OUTPUTS, PATCH
+from wheelrail.api.elements.wheelset_arrays import state_of
+from wheelrail.bindings._contact import sphere_approach
 from wheelrail.cli.main import app
+from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.contact.loading.wheelset import axle_under_load, wheel_under_load
+from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.export.host import loaded_inputs
+from wheelrail.scenes.builders.wheelset import wheel_sphere
 from wheelrail.support.arrays import Array
 
 HERE = Path(__file__).parent
@@ -69,6 +75,13 @@ class Native:
         outputs = np.zeros(len(OUTPUTS))
         failed = self.library.wheelrail_solve(self.number, numbers(inputs), numbers(outputs))
         return (self.error() if failed else ""), outputs
+
+    def load(self, wheels: int, load: float, inputs: Array) -> tuple[str, Array, Array]:
+        """Text of a failure, inputs under a load and outputs."""
+        inputs, outputs = inputs.copy(), np.zeros(len(OUTPUTS))
+        force = ctypes.c_double(load)
+        failed = self.library.wheelrail_load(self.number, wheels, force, numbers(inputs), numbers(outputs))
+        return (self.error() if failed else ""), inputs, outputs
 
     def accept(self) -> None:
         assert self.library.wheelrail_accept(self.number) == 0
@@ -152,6 +165,46 @@ def test_forces_have_the_bits_of_the_element(kind: str, folders: dict[str, Path]
     assert failed == 1
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_loads_have_the_bits_of_python(kind: str, folders: dict[str, Path]) -> None:
+    folder, wheelset = exported(folders, kind)
+    native, contact = Native(folder), wheelset.element().contact
+    assert isinstance(contact, WheelsetContact)
+    start = native.start()
+    level, arguments = start.copy(), wheelset.arguments
+    level[1:3] = 0.0
+    failure, inputs, outputs = native.load(3, arguments["wheel_load"], level)  # each wheel, as that of the scene
+    assert not failure
+    np.testing.assert_array_equal(inputs, start)
+    assert outputs[[2, 8]] == pytest.approx(arguments["wheel_load"], rel=1e-6)
+    sphere = wheel_sphere(arguments["E"], arguments["nu"])
+    for wheels, sides in enumerate((("left",), ("right",), SIDES)):
+        load, expected = 40e3 * len(sides), sphere_approach(40e3, *sphere)
+        failure, inputs, outputs = native.load(wheels, load, level)
+        assert not failure
+        if wheels < 2:
+            found = wheel_under_load(contact, state_of(level.tolist()), sides[0], load, expected=expected)
+        else:
+            found = axle_under_load(contact, state_of(level.tolist()), load, expected=expected)
+        assert inputs[1] == found.state.z
+        for side in sides:
+            first = 6 * SIDES.index(side)
+            own = found.results[side]
+            np.testing.assert_array_equal(outputs[first : first + 6], [*own.force, *own.moment])
+        native.accept()  # it is the last solved state
+
+
+def test_loads_that_cannot_be_carried_are_named(folders: dict[str, Path]) -> None:
+    native = Native(exported(folders, "half-space")[0])
+    start = native.start()
+    still = start.copy()
+    still[8:10] = 0.0  # spin and speed
+    failures = [native.load(4, 57e3, start), native.load(0, np.nan, start), native.load(0, 57e3, still)]
+    assert [failure.partition(":")[0] for failure, _, _ in failures] == ["load", "load = nan", "left wheel"]
+    assert all(np.isnan(outputs).all() for _, _, outputs in failures)
+    assert native.library.wheelrail_accept(native.number) == 1  # nothing was solved
+
+
 def test_states_are_stored(folders: dict[str, Path]) -> None:
     folder, _ = exported(folders, "half-space")
     native = Native(folder)
@@ -217,6 +270,7 @@ def test_a_host_in_c(kind: str, folders: dict[str, Path], tmp_path: Path) -> Non
     assert errors[0] == "failed: z = nan: must be a number from -0.1 to 0.1 m (2 mm is 0.002)"[:59]
     assert errors[3] == "failed: y = 1e+300: must be a number from -0.1 to 0.1 m (2 mm is 0.002)"[:59]
     assert errors[4:] == [
+        "1.14000e+05",
         "Wheelset: friction = -1: must be a number from 0 to 2 (0 skips the tangential problem)",
         "options: must be a JSON object of texts and numbers, wrong at: ",
         f"{folder}/none.toml: cannot be read: No such file or directory",

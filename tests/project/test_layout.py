@@ -128,7 +128,13 @@ for _index, _name in enumerate(_SCENES[1:], 1):
 MAY_IMPORT["cli"] = _BELOW | {"export", "scenes"} | {f"scenes.{name}" for name in _SCENES}
 MAY_IMPORT["export"] = {"api", "api.elements", "scenes.schema", "support"}
 MAY_IMPORT["export"] |= {f"contact.{name}" for name in ("element", "geometry", "kinematics", "laws", "models")}
-MAY_IMPORT["export"] |= {"bindings", "contact.models.lattice", "contact.models.standard"}
+MAY_IMPORT["export"] |= {
+    "bindings",
+    "contact.loading",
+    "contact.models.lattice",
+    "contact.models.standard",
+    "scenes.builders",
+}
 MAY_IMPORT["api"] = _BELOW | {"api.elements", "scenes", *(f"scenes.{name}" for name in _SCENES)}
 _OF_CONTACT = {f"contact.{name}" for name in ("element", "kinematics", "loading", "models", "results")}
 MAY_IMPORT["api.elements"] = _OF_CONTACT | {"scenes.schema", "support"}

@@ -17,7 +17,9 @@ INPUT_NUMBERS, OUTPUT_NUMBERS = (
 UNKNOWN = -1  # name
 RETURNED_AFTER_EXCEPTION = {
     "python_open": NOBODY,
-    **dict.fromkeys(("close", "start", "solve", "accept", "tangent", "patches", "save", "restore", "error"), FAILED),
+    **dict.fromkeys(
+        ("close", "start", "solve", "load", "accept", "tangent", "patches", "save", "restore", "error"), FAILED
+    ),
     **dict.fromkeys(("input", "output"), UNKNOWN),
 }
 
@@ -60,6 +62,10 @@ class LibraryFunctions:
 
     def solve(self, element: int, inputs: Any, outputs: Any) -> int:
         return self.host.solve(element, self._array(inputs, len(INPUTS)), self._array(outputs, len(OUTPUTS)))
+
+    def load(self, element: int, wheels: int, load: float, inputs: Any, outputs: Any) -> int:
+        state, forces = self._array(inputs, len(INPUTS)), self._array(outputs, len(OUTPUTS))
+        return self.host.load(element, wheels, load, state, forces)
 
     def accept(self, element: int) -> int:
         return self.host.accept(element)

@@ -1,4 +1,4 @@
-! Forces of a wheelset 0.25 mm below its nominal height.
+! Forces of a wheelset with 50 kN on each wheel.
 !
 !     gfortran wheelrail.f90 example.f90 -L. -lwheelrail -Wl,-rpath,'$ORIGIN' -o example && ./example '{"friction": 0.3}'
 program example
@@ -15,8 +15,7 @@ program example
   element = wheelrail_open(trim(options)//c_null_char, c_null_char)
   if (element == 0) call report(0_c_int)
   if (wheelrail_start(element, inputs) /= 0) call report(element)
-  inputs(IN_z) = -2.5e-4_c_double
-  if (wheelrail_solve(element, inputs, outputs) /= 0) call report(element)
+  if (wheelrail_load(element, wheelrail_each, 50e3_c_double, inputs, outputs) /= 0) call report(element)
   do number = 1, wheelrail_outputs
     print '(es24.16e3)', outputs(number)
   end do

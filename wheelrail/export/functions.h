@@ -10,6 +10,9 @@ int wheelrail_close(int element);
 int wheelrail_start(int element, double inputs[]);
 /* Forces of a trial state, from the last accepted one; NaN on a side that failed. */
 int wheelrail_solve(int element, const double inputs[], double outputs[]);
+/* Solve the height, for WHEELRAIL_EACH and the roll, at which wheels carry a load in N. inputs: state to begin with, and
+ * after it that under the load; outputs: forces there. */
+int wheelrail_load(int element, int wheels, double load, double inputs[], double outputs[]);
 /* The last solved state stands: the next solves start from it. */
 int wheelrail_accept(int element);
 /* Derivatives of the first WHEELRAIL_FORCES outputs by one input at the last solved state. */

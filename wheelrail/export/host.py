@@ -13,17 +13,23 @@ from weakref import WeakValueDictionary
 
 import numpy as np
 
+from wheelrail.api.elements.checks import WHEEL_LOAD
 from wheelrail.api.elements.variables import INPUTS, PARAMETERS
+from wheelrail.api.elements.wheelset_arrays import inputs_of, invalid_input, state_of
 from wheelrail.api.elements.wheelset_element import TRACK_FRAME, WheelsetElement
+from wheelrail.bindings._contact import sphere_approach
 from wheelrail.contact.kinematics.frames import SIDES
+from wheelrail.scenes.builders.wheelset import wheel_sphere
 from wheelrail.support.arrays import Array
 from wheelrail.support.text_file import json_value
 
 if TYPE_CHECKING:
     from wheelrail.api.wheelset import Wheelset
     from wheelrail.contact.element.contact_element import ElementState
+    from wheelrail.contact.kinematics.wheelset_state import WheelsetState
 
 DONE, FAILED = 0, 1  # as in the C header
+BOTH, EACH = 2, 3  # wheels, after the left and the right one
 OTHERS = tuple(number for number in range(len(INPUTS)) if number not in TRACK_FRAME)
 INPUT_NUMBERS = {variable.name: number for number, variable in enumerate(INPUTS)}
 NOT_OF_THE_START = ("sides", "stress", "error_estimate")  # of a wheelset's solves
@@ -94,15 +100,17 @@ class Host:
 
     def solve(self, number: int, inputs: Array, outputs: Array) -> int:
         """Solve a trial state; outputs (14,) of a failed side are NaN."""
+        return self._with(number, lambda own: _solve(own, inputs, outputs))
 
-        def solve(own: OpenElement) -> None:
-            own.tangent.clear()
+    def load(self, number: int, wheels: int, load: float, inputs: Array, outputs: Array) -> int:
+        """Solve the height, of each wheel and the roll, at which wheels carry a load N; fills inputs and outputs."""
+
+        def carry(own: OpenElement) -> None:
             outputs.fill(np.nan)
-            status = own.element.solve_array(inputs, outputs)
-            if status.startswith("failed"):
-                raise ValueError(status)
+            inputs[:] = inputs_of(_state_under_load(own, wheels, load, inputs))
+            _solve(own, inputs, outputs)
 
-        return self._with(number, solve)
+        return self._with(number, carry)
 
     def accept(self, number: int) -> int:
         """The next solves start from the last solved state."""
@@ -157,6 +165,36 @@ class Host:
                 own.error = _text(error)
                 return FAILED
             return DONE
+
+
+def _solve(own: OpenElement, inputs: Array, outputs: Array) -> None:
+    own.tangent.clear()
+    outputs.fill(np.nan)
+    status = own.element.solve_array(inputs, outputs)
+    if status.startswith("failed"):
+        raise ValueError(status)
+
+
+def _state_under_load(own: OpenElement, wheels: int, load: float, inputs: Array) -> WheelsetState:
+    """State at the height, of each wheel also the roll, at which wheels carry a load. Raises ValueError, LoadError."""
+    from wheelrail.contact.loading.wheelset import axle_under_load, wheel_under_load, wheels_under_load
+    from wheelrail.contact.models.wheelset import WheelsetContact
+
+    each, contact, arguments = 0.5 * load if wheels == BOTH else load, own.element.contact, own.wheelset.arguments
+    if not 0 <= wheels <= EACH:
+        raise ValueError(f"load: wheels = {wheels}: must be from 0 to {EACH}")
+    if not WHEEL_LOAD.low <= each <= WHEEL_LOAD.high:
+        raise ValueError(f"load = {load!r}: of a wheel must be {WHEEL_LOAD}")
+    if invalid := invalid_input(inputs.tolist()):
+        raise ValueError(f"failed: {invalid}")
+    if not isinstance(contact, WheelsetContact):
+        raise ValueError("load: not with an elastic axle and elastic pads, whose equilibrium is the start")
+    state, expected = state_of(inputs.tolist()), sphere_approach(each, *wheel_sphere(arguments["E"], arguments["nu"]))
+    if wheels == BOTH:
+        return axle_under_load(contact, state, load, expected=expected).state
+    if wheels == EACH:
+        return wheels_under_load(contact, state, load, expected=expected).state
+    return wheel_under_load(contact, state, SIDES[wheels], load, expected=expected).state
 
 
 def _text(error: Exception) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wheelrail import bindings
-from wheelrail.api.elements.checks import FRICTION
+from wheelrail.api.elements.checks import FRICTION, WHEEL_LOAD
 from wheelrail.api.elements.wheelset_arrays import LIMITS
 from wheelrail.bindings._contact import DEFAULT_FILE, AllowedRange, LatticeFile, StandardData, law_file, sealed_wheelset
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
@@ -23,6 +23,7 @@ from wheelrail.contact.models.lattice.model import LatticeContact
 from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.contact.models.wheelset import ContactModel, WheelsetContact
 from wheelrail.export.host import loaded_inputs
+from wheelrail.scenes.builders.wheelset import wheel_sphere
 from wheelrail.support.cache import one_process
 
 if TYPE_CHECKING:
@@ -71,6 +72,8 @@ def write_native(wheelset: Wheelset, folder: Path, token: str = "") -> None:
         [_allowed(limits) for limits in LIMITS],
         (friction[0], friction[1]),
         _allowed(FRICTION),
+        _allowed(WHEEL_LOAD),
+        wheel_sphere(wheelset.arguments["E"], wheelset.arguments["nu"]),
         (of_sides[0].mounting.dimensions, of_sides[1].mounting.dimensions),
         models,
     )

@@ -1,5 +1,6 @@
 // Interface of a pair's contact model to a wheelset, the same for all models.
 #pragma once
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -53,6 +54,12 @@ class PairContact {
     // Derivatives (6, 12) of force and moment about the rail's origin at a solution that touches: by translation and
     // rotation of the wheel, its velocity and angular velocity, whose reference point moves with the wheel's frame.
     virtual Array<double, 2> tangent(const LeftPair<double>& pair, const PairSolution& solution) const = 0;
+    // Largest penetration m of the undeformed surfaces; NaN of models that tell it by a solve alone.
+    virtual double penetration(const LeftPair<double>&) const { return std::nan(""); }
+    // Whether a solve takes the longer, the deeper the wheel is.
+    virtual bool on_strips() const { return false; }
+    // A quicker model without friction on the same points; null without one.
+    virtual std::shared_ptr<const PairContact> frictionless() const { return nullptr; }
     // Rows (k, 26) of `store_patch` of the patches at a solution that touches, by decreasing load.
     virtual Array<double, 2> patches(const LeftPair<double>& pair, const PairSolution& solution) const = 0;
     // The same model with another friction coefficient.

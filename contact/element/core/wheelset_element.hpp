@@ -19,6 +19,22 @@ constexpr double CREEPAGE_STEP = 1e-5;  // of differences by the speed and, at 1
 struct WheelsetContact {
     std::array<std::shared_ptr<const PairContact>, 2> models;
     std::array<Dimensions, 2> dimensions;
+
+    LeftPair<double> pair(const Numbers& values, int side) const {
+        return left_pair(left_state<double>(values, side == 1), dimensions[side]);
+    }
+    // Solution of a side at values (17,) of a state, as a left-hand pair, from an earlier one or, null, from none.
+    PairSolution solve(const Numbers& values, int side, const PairSolution* earlier) const {
+        try {
+            auto own = models[side]->solve(pair(values, side), earlier);
+            for (double x : {own.force.x, own.force.y, own.force.z, own.moment.x, own.moment.y, own.moment.z})
+                if (own.ok() && !std::isfinite(x))
+                    return PairSolution::failed("force or moment is not finite", own.approach);
+            return own;
+        } catch (const std::exception& error) {  // of a solver, at a state it was not made for
+            return PairSolution::failed(error.what(), std::nan(""));
+        }
+    }
 };
 
 // Values (17,) in the order of `input_variables`, and the solution there.
@@ -52,17 +68,19 @@ struct WheelsetSolution {
 
 // Accepted solutions of both sides; none before the first. Trial states that are not accepted have no influence.
 using Accepted = std::array<std::shared_ptr<const PairSolution>, 2>;
+using Known = std::array<const PairSolution*, 2>;  // null: not there
 
 class WheelsetElement {
   public:
     explicit WheelsetElement(WheelsetContact contact) : contact_(std::move(contact)) {}
 
-    // Solve both contacts of a trial state, starting from the accepted one.
-    const WheelsetSolution& solve(const Numbers& values) {
+    // Solve both contacts of a trial state, starting from the accepted one; known: solutions of sides that are there.
+    const WheelsetSolution& solve(const Numbers& values, const Known& known = {}) {
         forget();
-        latest_ = solved(values);
+        latest_ = solved(values, known);
         return *latest_;
     }
+    const WheelsetContact& contact() const { return contact_; }
     void forget() { latest_.reset(), by_coordinates_.reset(); }
 
     // Let the next solves start from the last solved state. Functions throw std::invalid_argument when it failed, or
@@ -101,21 +119,18 @@ class WheelsetElement {
         Array<double, 2> values(2, PATCH_VALUES);
         for (int side = 0; side < 2; ++side)
             if (const auto& own = last.sides[side]; own.status == Status::CONVERGED)
-                store_most_loaded(contact_.models[side]->patches(pair(last.state(), side), own), side == 1,
+                store_most_loaded(contact_.models[side]->patches(contact_.pair(last.state(), side), own), side == 1,
                                   values[side]);
         return values;
     }
 
   private:
-    LeftPair<double> pair(const Numbers& values, int side) const {
-        return left_pair(left_state<double>(values, side == 1), contact_.dimensions[side]);
-    }
-
-    WheelsetSolution solved(const Numbers& values) const {
+    WheelsetSolution solved(const Numbers& values, const Known& known = {}) const {
         WheelsetSolution solution;
         std::copy(values.begin(), values.end(), solution.values.begin());
         for (int side = 0; side < 2; ++side) {
-            const auto& own = solution.sides[side] = solved_side(values, side);
+            auto& own = solution.sides[side];
+            own = known[side] ? *known[side] : contact_.solve(values, side, accepted_[side].get());
             if (own.status != Status::CONVERGED) continue;
             auto wrench = solution.wrench[side];
             store_vector(own.force, wrench.part(0, 3)), store_vector(own.moment, wrench.part(3, 6));
@@ -124,25 +139,13 @@ class WheelsetElement {
         return solution;
     }
 
-    PairSolution solved_side(const Numbers& values, int side) const {
-        try {
-            auto own = contact_.models[side]->solve(pair(values, side), accepted_[side].get());
-            for (double x : {own.force.x, own.force.y, own.force.z, own.moment.x, own.moment.y, own.moment.z})
-                if (own.ok() && !std::isfinite(x))
-                    return PairSolution::failed("force or moment is not finite", own.approach);
-            return own;
-        } catch (const std::exception& error) {  // of a solver, at a state it was not made for
-            return PairSolution::failed(error.what(), std::nan(""));
-        }
-    }
-
     // Derivatives (2, 6, 9) of forces and moments by the coordinates.
     Array<double, 3> derivatives_by_coordinates(const WheelsetSolution& last) const {
         Array<double, 3> result(2, 6, COORDINATES);
         for (int side = 0; side < 2; ++side) {
             const auto& own = last.sides[side];
             if (own.status != Status::CONVERGED) continue;
-            auto at = pair(last.state(), side);
+            auto at = contact_.pair(last.state(), side);
             auto tangent = contact_.models[side]->tangent(at, own);
             for (long q = 0; q < tangent.shape[1]; ++q) {  // about the wheelset's centre
                 auto moment = cross(at.centre, Vec<double>{tangent(0, q), tangent(1, q), tangent(2, q)});

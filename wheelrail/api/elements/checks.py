@@ -20,6 +20,7 @@ def _range(quantity: Any) -> q.Range:
 
 
 OFFSET, ANGLE, RATE, FRICTION = _range(q.Offset), _range(q.Angle), _range(q.Rate), _range(q.Friction)
+WHEEL_LOAD = _range(q.WheelLoad)
 SPEED = replace(_range(q.Speed), low=0.0, open=False)  # standing still is a state of a program
 RANGES: Mapping[str, q.Range] = {
     **dict.fromkeys(("x", "y", "z"), OFFSET),

@@ -11,6 +11,7 @@ import numpy as np
 from wheelrail.api.elements.checks import checked_motions, checked_numbers, checked_rates, checked_shifts
 from wheelrail.api.elements.variables import FORCES, INPUTS, OUTPUTS
 from wheelrail.api.elements.wheelset_arrays import inputs_of, invalid_input, patch_values, state_of, write_outputs
+from wheelrail.bindings._contact import CREEPAGE_STEP, RAIL_INPUTS, SPEED_INPUT
 from wheelrail.contact.element.contact_element import ContactElement
 from wheelrail.contact.element.element_solution import ElementSolution
 from wheelrail.contact.kinematics.frames import SIDES, Side
@@ -23,10 +24,7 @@ if TYPE_CHECKING:
 
 
 COORDINATES = len(WheelsetState.coordinates)
-SPEED = COORDINATES  # number of the input
-RAILS = SPEED + 4  # number of the first displacement of a rail
-TRACK_FRAME = tuple(range(SPEED, RAILS))  # numbers of the motion of the track frame
-CREEPAGE_STEP = 1e-5  # of differences by the speed and, at 1 m from the centre, by the rotation of the track frame
+TRACK_FRAME = tuple(range(SPEED_INPUT, RAIL_INPUTS))  # numbers of the motion of the track frame
 
 
 class WheelsetElement(ContactElement[WheelsetState, Side]):
@@ -179,9 +177,10 @@ class WheelsetElement(ContactElement[WheelsetState, Side]):
         derivatives = np.zeros((len(FORCES), len(INPUTS)))
         derivatives[:, :COORDINATES] = by_coordinates.reshape(len(FORCES), COORDINATES)
         for side in range(len(SIDES)):
-            derivatives[6 * side : 6 * side + 6, RAILS + 2 * side : RAILS + 2 * side + 2] = -by_coordinates[side, :, :2]
+            rail = RAIL_INPUTS + 2 * side
+            derivatives[6 * side : 6 * side + 6, rail : rail + 2] = -by_coordinates[side, :, :2]
         inputs = inputs_of(self._solved("tangent").state)
-        size = CREEPAGE_STEP * (inputs[SPEED] or 1.0)  # at standstill, without friction: the derivatives are zero
+        size = CREEPAGE_STEP * (inputs[SPEED_INPUT] or 1.0)  # at standstill, without friction: the derivatives are zero
         for number in set(columns) & set(TRACK_FRAME):
             step = size * (np.arange(len(INPUTS)) == number)
             ahead, behind = self._forces(inputs + step), self._forces(inputs - step)

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 
+#include "contact/loading/core/element_under_load.hpp"
 #include "export/core/options.hpp"
 #include "export/core/wheelset_file.hpp"
 

@@ -29,10 +29,12 @@ struct WheelsetHead {
     std::array<AllowedRange, INPUTS> inputs;
     std::array<double, 2> friction;  // coefficients of both sides; NaN of a law, which cannot be set
     AllowedRange coefficients;       // allowed ones
+    AllowedRange loads;              // N, allowed ones of a wheel
+    std::array<double, 2> sphere;    // radius m and contact modulus Pa, for first estimates of the approach
     std::array<Dimensions, 2> dimensions;
     long sides = 2;  // 1: one model serves both
 
-    auto fields() { return std::tie(token, start, inputs, friction, coefficients, dimensions, sides); }
+    auto fields() { return std::tie(token, start, inputs, friction, coefficients, loads, sphere, dimensions, sides); }
     bool fits() const { return start.size() == INPUTS && (sides == 1 || sides == 2); }
 
     // First input that is not a number in its range, with the range; empty where there is none.

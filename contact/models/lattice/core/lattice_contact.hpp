@@ -109,6 +109,9 @@ class LatticeContact {
     // ordinary: the model on ordinary strips. on: that on a finer level.
     LatticeContact(Level ordinary, std::function<Level(int)> on) : ordinary(std::move(ordinary)), on(std::move(on)) {}
 
+    // Largest penetration m of the undeformed surfaces at a pose and motion. Throws Unsolved.
+    double approach(const Motion& motion) const { return ordinary->problem(motion)->approach(); }
+
     // Result of a pose and motion; an earlier start changes the number of iterations only.
     std::shared_ptr<LatticeResult> solve(const Motion& motion, const LatticeStart* earlier) const {
         auto from = [&](int level) { return earlier ? earlier->on(level) : nullptr; };

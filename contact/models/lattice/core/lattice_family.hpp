@@ -103,8 +103,8 @@ class LatticeFamily : public std::enable_shared_from_this<LatticeFamily> {
     }
     std::shared_ptr<const PairContact> pair() {
         auto own = shared_from_this();
-        return std::make_shared<LatticePair>(contact(data.law),
-                                             [own](double mu) { return own->contact({&mu, {mu > 0.0 ? 1 : 0}}); });
+        auto with_friction = [own](double mu) { return own->contact({&mu, {mu > 0.0 ? 1 : 0}}); };
+        return std::make_shared<LatticePair>(contact(data.law), with_friction, code && data.law.size() > 0);
     }
 
   private:

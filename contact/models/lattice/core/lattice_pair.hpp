@@ -29,10 +29,11 @@ inline Owned<Motion> motion_of(const LeftPair<double>& pair) {
 
 class LatticePair : public PairContact {
   public:
-    // frictionless, and with another coefficient of friction: models on the same strips; none where it cannot be set.
+    // The model on the same strips with another coefficient of friction.
     using WithFriction = std::function<std::shared_ptr<const LatticeContact>(double mu)>;
-    LatticePair(std::shared_ptr<const LatticeContact> model, WithFriction other)
-        : model(std::move(model)), other(std::move(other)) {}
+    // rubs: whether the model has friction.
+    LatticePair(std::shared_ptr<const LatticeContact> model, WithFriction other, bool rubs)
+        : model(std::move(model)), other(std::move(other)), rubs(rubs) {}
 
     PairSolution solve(const LeftPair<double>& pair, const PairSolution* earlier) const override {
         const auto* known = earlier ? static_cast<const Start*>(earlier->warm_start.get()) : nullptr;
@@ -55,8 +56,11 @@ class LatticePair : public PairContact {
         return found(solution).patches();
     }
     std::shared_ptr<const PairContact> with_friction(double mu) const override {
-        return std::make_shared<LatticePair>(other(mu), other);
+        return std::make_shared<LatticePair>(other(mu), other, mu > 0.0);
     }
+    double penetration(const LeftPair<double>& pair) const override { return model->approach(motion_of(pair)); }
+    bool on_strips() const override { return true; }
+    std::shared_ptr<const PairContact> frictionless() const override { return rubs ? with_friction(0.0) : nullptr; }
 
   private:
     struct Found : Memory {
@@ -73,6 +77,7 @@ class LatticePair : public PairContact {
 
     std::shared_ptr<const LatticeContact> model;
     WithFriction other;
+    bool rubs;
 };
 
 }  // namespace wr
