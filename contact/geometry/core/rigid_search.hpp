@@ -123,7 +123,7 @@ inline Maxima local_maxima(const WheelRail& pair, const Pose<double>& pose, cons
             for (j = k; j <= i; ++j)
                 if (depth(j) < depth(k)) k = j;
             auto& low = found.low.emplace_back();
-            low = {lines(k), std::max(depth(k), 0.0), where(k)};
+            low = {lines(k), depth(k), where(k)};
             if (depth(k) > 0.0) {  // inside the region of penetration: refine it
                 double left = std::max(lines(k - 1), found.top.back().s + CLOSE);
                 double right = std::min(lines(k + 1), top.s - CLOSE);
@@ -131,6 +131,7 @@ inline Maxima local_maxima(const WheelRail& pair, const Pose<double>& pose, cons
                 if (fall < 0.0 && 0.0 < rise)
                     low = stationary_point(pair, pose, left, right, fall, rise, where(k), sample(k));
             }
+            low.depth = std::max(low.depth, 0.0);  // a gap, also where it lies between two lines
         }
         found.top.push_back(top), found.before.push_back(i);
     }

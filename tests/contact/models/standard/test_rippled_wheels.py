@@ -69,3 +69,15 @@ def test_tangents_with_many_humps() -> None:
     ]
     assert np.isfinite(found).mean() > 0.9
     np.testing.assert_array_less(np.nanmax(found, axis=1), 1e-3)
+
+
+def test_forces_do_not_jump_where_two_humps_part() -> None:
+    """A minimum below zero between two lines above it is a gap, too: weights jumped, and forces by 0.6 %."""
+    (model, mounting), lowest = contact(HEIGHT), []
+    pair = model.surfaces
+    assert isinstance(pair, RigidWheelRail)
+    for depth in np.linspace(9e-6, 10e-6, 41):
+        pose = mounting.left_pair(replace(ROLLING, z=-depth))[0]
+        shapes = pair.wheel.shape, pair.rail.shape, RADIUS
+        lowest.append(wheel_regions(*shapes, *pose.arrays, pair.lines, pair.merge_distance).low[:, 1].min())
+    assert min(lowest) == 0.0
