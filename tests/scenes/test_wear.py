@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import shutil
+import weakref
 from collections.abc import Mapping
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -26,6 +28,7 @@ from wheelrail.scenes.wear.jobs import workers
 from wheelrail.scenes.wear.loop import WearLoop
 from wheelrail.scenes.wear.schema import check_wear
 from wheelrail.scenes.wear.tables import remarks
+from wheelrail.vehicle.wear.evolution import WearingProfile
 from wheelrail.vehicle.wear.smoothing import smoothed
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -310,6 +313,31 @@ def test_bodies_are_renewed_with_the_depth() -> None:
     assert rates[0].sum() == pytest.approx(rates[1].sum(), rel=5e-3)
     np.testing.assert_allclose(rates[0], rates[1], atol=0.02 * rates[1].max())  # strips lie elsewhere
     np.testing.assert_allclose(kept["t_gamma"].values[1], renewed["t_gamma"].values[1], rtol=2e-3)
+
+
+def test_bodies_are_made_once_and_freed_before_the_next() -> None:
+    """Before, those of a renewed profile were made again a step later, beside earlier ones that nothing used."""
+    change = {"bodies": "half-space", "strips": 6, "cells": 10, "model": "condensed", "surface_size": 1e-3}
+    case = {"share": 1.0, "steady": WIDE, "set": {**change, "laws": "exact"}}
+    table = {**VEHICLE, "law": {"name": "usfd", "scale": 0.18}, "until": 1.0, "duty": [case]}
+    duty = Duty(check_wear(table), Path("wear.toml"))
+    new = duty.unworn()
+    worn = [
+        {name: replace(own, removed=1e-5 * n * own.width + own.removed) for name, own in new.items()} for n in (1, 2)
+    ]
+
+    def upper(present: Mapping[str, WearingProfile], renewed: Mapping[str, WearingProfile]) -> Any:
+        with duty.contacts(present, renewed, duty.cases, threads=1) as contacts:
+            motion = next(iter(contacts.values())).motion
+            assert isinstance(motion, WheelsetContact)
+            return motion.model.operators.upper  # type: ignore[attr-defined]
+
+    first = weakref.ref(upper(new, new))
+    assert upper(worn[0], new) is first()
+    second = upper(worn[0], worn[0])
+    gc.collect()
+    assert first() is None
+    assert upper(worn[1], worn[0]) is second
 
 
 @pytest.mark.parametrize(

@@ -352,15 +352,20 @@ class Duty:
             contact = replace(contact, mounting=mounted(case.scene, case.new_profiles[wheelset][side][1]))
         model, names = contact.model, [self.profile_of(wheelset, side, case.turned)]
         names += filter(None, [case.rails.get(side)])
-        if not isinstance(model, LatticeContact) or all(made.profiles[name] is made.renewed[name] for name in names):
+        if not isinstance(model, LatticeContact):
             return contact
+        worn = any(made.profiles[name] is not made.renewed[name] for name in names)
         key = _contact_keys(scene), wheelset, *names
         earlier = "".join(made.renewed[name].present.digest() for name in names)
         if key not in self._bodies or self._bodies[key][0] != earlier:
             self._bodies.pop(key, None)  # before the next, which takes as much memory
-            pairs = self.pairs(case, wheelset, {name: own.present for name, own in made.renewed.items()})
-            bodies = wheelset_contact(scene.contact_of(wheelset), pairs, made.models)
-            self._bodies[key] = earlier, bodies.of(side).model.operators  # type: ignore[attr-defined]
+            bodies = contact
+            if worn:
+                pairs = self.pairs(case, wheelset, {name: own.present for name, own in made.renewed.items()})
+                bodies = wheelset_contact(scene.contact_of(wheelset), pairs, made.models).of(side)
+            self._bodies[key] = earlier, bodies.model.operators  # type: ignore[attr-defined]
+        if not worn:
+            return contact
         operators = self._bodies[key][1].under(model.operators.surfaces)
         return replace(contact, model=replace(model, operators=operators))
 
