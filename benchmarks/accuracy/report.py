@@ -13,6 +13,7 @@ from time import perf_counter
 from benchmarks.accuracy.bulk_compression import bulk_section
 from benchmarks.accuracy.carter import carter_section
 from benchmarks.accuracy.cattaneo import cattaneo_section
+from benchmarks.accuracy.fastsim import fastsim_section
 from benchmarks.accuracy.rolling import creep_section, kalker_section
 from benchmarks.accuracy.wheelset import half_space_section, manchester_section, wheelset_section
 from benchmarks.common.hertz_cases import hertz_section
@@ -26,6 +27,7 @@ SECTIONS: dict[str, Callable[[bool, Say], TableSection]] = {
     "carter": carter_section,
     "kalker": kalker_section,
     "creep": creep_section,
+    "fastsim": fastsim_section,
     "wheelset": wheelset_section,
     "half-space": half_space_section,
     "manchester": manchester_section,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -15,11 +15,13 @@ import pytest
 import scipy.sparse as sp
 
 from benchmarks.accuracy.contact_frames import FrameDifference, difference, rail_position, state, wheel_force
+from benchmarks.accuracy.fastsim import Bound, contact_fastsim, errors, standard
 from benchmarks.accuracy.rolling import coefficients, curve_errors
 from benchmarks.accuracy.wheelset import loaded_wheel, track_of
 from benchmarks.common.hertz_cases import block_correction, pair_of, reference_steel
 from benchmarks.common.models import Ellipse, frictional, hertz_model, loads, pressed, rolling, solved, wheelset_model
 from benchmarks.common.reference_table import TableSection, measure, reference, show
+from benchmarks.error_vs_time.cases import TimedCase, creep_cases
 from wheelrail.contact.analytical.kalker import Name, kalker
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.kinematics.frames import SIDES, Side
@@ -102,6 +104,29 @@ def test_creep_curves() -> None:
     assert np.sqrt((e**2).mean()) < HOLDS["creep RMS"]
     assert np.abs(e).max() < HOLDS["creep worst"]
     assert np.abs(np.concatenate(moments)).max() < HOLDS["moment"]
+
+
+@pytest.mark.parametrize(
+    ("bound", "grid", "force"),
+    [("parabolic", 44, -0.6118), ("parabolic", 220, -0.6359), ("elliptic", 44, -0.6016), ("elliptic", 220, -0.5956)],
+)
+def test_fastsim_is_that_of_contact(bound: Bound, grid: int, force: float) -> None:
+    """Printed results of its example `fastsim` (revision of 2025): 8 x 4 mm, 82 kN, lateral creepage and spin."""
+    radius, steel = 0.5, Material(2 * 1.28 * 82e9, 0.28)
+    a, _ = Ellipse.of_ratio(2.0, radius, 82e3, steel).exact.semi_axes
+    pair = Ellipse.of_ratio(2.0, radius * (8e-3 / a) ** 3, 82e3, steel)
+    np.testing.assert_allclose(pair.exact.semi_axes, (8e-3, 4e-3), rtol=1e-6)
+    found = contact_fastsim(TimedCase(pair, 0.3, (0.0, -6.25e-4, 0.625), None), bound, grid, 1.1)
+    np.testing.assert_allclose(found, (0.0, force), atol=6e-5)
+
+
+def test_standard_is_no_worse_than_fastsim_in_contact() -> None:
+    cases = creep_cases(4)
+    right = [np.array(case.contact_forces) for case in cases]
+    own = np.hypot(*errors(standard, cases, right).T)
+    for bound in ("parabolic", "elliptic"):
+        other = np.hypot(*errors(partial(contact_fastsim, bound=bound, grid=44), cases, right).T)
+        assert np.sqrt((own**2).mean()) < 0.85 * np.sqrt((other**2).mean())
 
 
 def test_signs_of_creepage_and_spin() -> None:
