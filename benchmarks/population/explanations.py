@@ -48,16 +48,17 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
     if "z" in situation.solve:
         deepest = float(rigid.section(at).depth.max())
         return "pressed into the rail by more than half a millimetre" if deepest > OVERLAP else ""
-    if overloaded and any(_locked(situation, side, roll) for roll in rolls):
+    along, yielding = ALONG.search(result.status), YIELDING.search(result.status)
+    if (overloaded or named or yielding) and any(_locked(situation, side, roll) for roll in rolls):
         return "held down by friction on its flange to an overlap of half a millimetre"
-    if along := ALONG.search(result.status):
+    if along:
         strips = situation.with_model(bodies="waveguide")
         other = side_result(solved(strips).data, side)
         if other.status.startswith("failed"):
             return explanation(strips, side, other)
         if other.status == "converged" and _extent(strips, side, other) > 1e-3 * float(along[1]):
             return "touches the rail farther along than grids have points"
-    if YIELDING.search(result.status):
+    if yielding:
         return "pushes a rail aside by more than 5 mm, whose equilibria end"
     if not rolls:
         return "no roll at which both wheels rest on their rails"
@@ -121,12 +122,12 @@ def _locked(situation: Situation, side: Side, roll: float) -> bool:
 
 
 def _extent(own: Situation, side: Side, result: SideResult) -> float:
-    """Largest distance m along the rail, from the axle, of the undeformed overlap at the height of a result."""
+    """Largest distance m from the axle, along the rail, of the undeformed overlap at the height of a result."""
     section = section_of(own, side, result)
     k = int(np.argmax(section.depth))
     _, across, up = np.gradient(section.place, axis=0)[k]
     radius = (own.rigid[side].radius + own.rigid[side].wheel_points[k, 1]) * np.hypot(1.0, up / across)
-    return float(abs(section.place[k, 0]) + np.sqrt(2.0 * radius * max(section.depth[k], 0.0)))
+    return float(abs(section.place[k, 0] - result.origin[0]) + np.sqrt(2.0 * radius * max(section.depth[k], 0.0)))
 
 
 def resting_rolls(situation: Situation) -> list[float]:

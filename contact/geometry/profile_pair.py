@@ -107,10 +107,10 @@ class ProfilePair:
         mask = (depth > 0).reshape(nx, ns)
         last_row = nx - 1 - steps * stride  # beyond, upstream points for the slip are missing
         if mask[0].any() or mask[last_row:].any():
-            raise OutsideSurface(_beyond(depth, _ALONG.format(1e3 * self.radius * self.angle[last_row])))
+            raise self._beyond(pose, _ALONG.format(1e3 * self.radius * self.angle[last_row]))
         if mask[:, 0].any() or mask[:, -1].any():
             end = "flange's tip" if mask[:, 0].any() else "end of the tread"
-            raise OutsideSurface(_beyond(depth, f"it passes the last line towards the {end}"))
+            raise self._beyond(pose, f"it passes the last line towards the {end}")
         near[last_row * ns :] = False  # none of them is inside
         node = np.flatnonzero(near & (self.wheel_grid.weight.ravel() > 0))
         if not len(node):
@@ -138,7 +138,7 @@ class ProfilePair:
         reach = self.rail_strip.size / self.degree * (self.rail_grid.shape[0] // 2)
         if np.abs(point[nodes, 0]).max() > reach:
             upstream_length = steps * stride * self.wheel_strip.size / self.degree
-            raise OutsideSurface(_beyond(penetration, _ALONG.format(1e3 * (reach - upstream_length))))
+            raise self._beyond(pose, _ALONG.format(1e3 * (reach - upstream_length)))
         if (beyond := self._beyond_rail(rail_s, penetration)) >= 0:
             place = self.wheel.point(self.arc[node[beyond] % ns])
             raise OutsideSurface(overlap_text(penetration[beyond], place, UNSOLVED))
@@ -178,6 +178,11 @@ class ProfilePair:
             raise OutsideSurface(overlap_text(depth, self.wheel.point(place), UNSOLVED))
         return min(depth, 0.0)
 
+    def _beyond(self, pose: Pose, reason: str) -> OutsideSurface:
+        """Error of a pose whose overlap reaches beyond the points, with the largest depth and its place."""
+        place, depth, _ = self.rigid.nearest(pose)
+        return OutsideSurface(overlap_text(depth, self.wheel.point(place), f"{UNSOLVED}: {reason}"))
+
     def _beyond_rail(self, s: Array, penetration: Array) -> int:
         """Number of the deepest of the points at s (n,) m beyond the rail's lines, with penetration (n,) m; -1 without
         any.
@@ -197,13 +202,6 @@ class ProfilePair:
 
 
 _ALONG = "it passes {:.3g} mm along the rail, where grids of solids end before those of waveguides"
-
-
-def _beyond(depth: Array, reason: str) -> str:
-    return (
-        "the wheel overlaps the rail beyond the part of its surface that carries contact points: "
-        f"{1e3 * depth.max():.3g} mm deep, {reason}"
-    )
 
 
 def _cells(coordinate: Array, count: int, degree: int) -> tuple[Nodes, Array]:

@@ -15,7 +15,7 @@ import wheelrail as wr
 from benchmarks.population import judge as judge_module
 from benchmarks.population.checks import PARABOLIC, TOUCH, _connected, between_points, broken, lowering, within_strip
 from benchmarks.population.draw import Situation, situation
-from benchmarks.population.explanations import _below_points, explanation, resting_rolls
+from benchmarks.population.explanations import _below_points, _extent, explanation, resting_rolls
 from benchmarks.population.judge import faults, judged, of_exception
 from benchmarks.population.oracle import Position, RigidSide, Section
 from benchmarks.population.pairs import Ellipse
@@ -360,8 +360,23 @@ def test_failures_under_pressure_without_bound() -> None:
     held, climbing = (
         replace(own, wheelset=rough, solve={**own.solve, "y": 0.008, "yaw": yaw}) for yaw in (-0.025, 0.025)
     )
-    reasons = [explanation(case, "left", failed) for case in (held, climbing)]
-    assert sorted(reasons) == ["", "held down by friction on its flange to an overlap of half a millimetre"]
+    named = "failed: the wheel overlaps the rail 0.3 mm deep at y = 0.0, z = 0.0 mm of its profile, it ends"
+    for failure in (failed, replace(result, status=named)):
+        reasons = [explanation(case, "left", failure) for case in (held, climbing)]
+        assert sorted(reasons) == ["", "held down by friction on its flange to an overlap of half a millimetre"]
+
+
+@pytest.mark.parametrize("yaw", [0.02, -0.02])
+def test_the_extent_of_an_overlap_is_from_the_axle(yaw: float) -> None:
+    """On a cone of slope 0.05 the silhouette lies 0.05 yaw r from below the axle, whose end is wheel_y yaw off."""
+    rolling = Situation(0, {**example()[0].wheelset, "wheel": wheel("cone", slope=0.05)}, {"y": 0.0, "yaw": yaw})
+    rigid, depth = rolling.rigid["left"], 1e-4
+    at = rolling.position("left", 0.0, 0.0)
+    at = replace(at, z=rigid.first_contact(at) - depth)
+    _, result = example()
+    own = replace(result, z=at.z, roll=0.0, origin=np.array([-rigid.wheel_y * np.sin(yaw), 0.0, rigid.radius]))
+    half = np.sqrt(2.0 * rigid.radius * depth)
+    assert _extent(rolling, "left", own) == pytest.approx(half + 0.05 * 0.02 * rigid.radius, rel=0.03)
 
 
 def test_a_scan_goes_on_where_no_line_has_failed() -> None:

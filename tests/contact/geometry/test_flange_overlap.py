@@ -111,7 +111,8 @@ def test_contact_points_without_friction_cover_the_same_region() -> None:
 @pytest.mark.parametrize(
     ("y", "z", "way"),
     [
-        (6.25e-3, -1.5e-3, r"carries contact points: [0-9.]+ mm deep, it passes 36 mm along the rail"),
+        # depth and place as by `benchmarks.population.oracle`
+        (6.25e-3, -1.5e-3, r"2.01 mm deep at y = -29.4, z = 3.7 mm .* it passes 36 mm along the rail"),
         (
             0.03,
             0.0238,
