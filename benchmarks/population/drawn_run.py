@@ -54,11 +54,13 @@ class Run:
         seed: of the random numbers.
         mirrored: as its mirror image in y = 0.
         fixed: names and numbers from 0 to 1 that are not drawn.
+        rougher: factor on all coefficients of friction.
     """
 
     seed: int
     mirrored: bool = False
     fixed: tuple[tuple[str, float], ...] = ()
+    rougher: float = 1.0
 
     @property
     def sign(self) -> float:
@@ -210,7 +212,7 @@ class Run:
 
     @property
     def friction(self) -> float:
-        return self.between("friction", 0.05, 0.6)
+        return self.rougher * self.between("friction", 0.05, 0.6)
 
     def coefficient(self, wheelset: str, distance: float) -> float:
         """Coefficient of friction of a wheelset at a distance m of its own."""

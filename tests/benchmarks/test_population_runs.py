@@ -25,6 +25,7 @@ from wheelrail.vehicle.integration.integrate import METHODS
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.simulation import time_run
 from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.steady.equilibrium import equilibrium
 
 SEED = 164  # a plane wagon in a curve of 270 m
 
@@ -196,3 +197,29 @@ def test_a_derailment_is_explained_by_displacements_not_by_its_status() -> None:
     assert conclusion(off, off, None)[0] == "explained failure"
     assert conclusion(off, on, None)[0] == "unexplained failure"
     assert conclusion(replace(off, status="completed"), off, None)[0] == "wrong"
+
+
+def test_what_data_do_not_settle_is_explained() -> None:
+    """Seed 870004 on the edge of derailment: the wheel falls from a flange climbed by 17 mm, or with 0.1 % more
+    friction leaves the rails. Short steps that differ are wrong unless that little friction changes them as much.
+    """
+    run, short = pair()
+    other = altered(short, force=1.5)
+    assert conclusion(run, other, None)[0] == "wrong"
+    assert conclusion(run, other, None, None, lambda: other)[0] == "wrong"
+    kind, reason = conclusion(run, other, None, None, lambda: short)
+    assert kind == "explained failure"
+    assert "by 0.1% more friction largest Q" in reason
+    assert conclusion(altered(run, force=2.0), other, None, None, lambda: short)[0] == "wrong"  # breaks a law, too
+    assert Run(3, rougher=1.5).friction == pytest.approx(1.5 * Run(3).friction)
+
+
+def test_wheels_whose_creep_forces_are_at_their_limit_find_their_spin() -> None:
+    """Newton's method led from one limit to the other and back on rails with a friction of 0.05; a vehicle that rolls
+    freely on straight track has neither a longitudinal force nor a lateral position.
+    """
+    dynamics = Run(870019).dynamics
+    found = equilibrium(dynamics)
+    assert max(abs(found.state[dynamics.coordinates.index(name, Y)]) for name in dynamics.vehicle.wheelsets) < 1e-9
+    for sides in found.contacts.values():
+        assert abs(sides["left"].force[0]) < 1e-5 * sides["left"].force[2]

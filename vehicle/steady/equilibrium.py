@@ -151,8 +151,8 @@ def _newton(
         stalled = best.residual <= acceptable and iteration > best.iterations + 4
         if best.residual <= tolerance or stalled:
             return best
-        if problem.dynamics.settle is not None and iteration > best.iterations + 2:
-            # Tangents of friction beyond its limit lead from one limit to the other and back.
+        if iteration > best.iterations + 2:
+            # Tangents of friction near its limit lead from one limit to the other and back.
             damping = max(damping, TO_AND_FRO * _size(residual))
         state, contacts, new, damping = _step(problem, state, contacts, residual, damping)
         damping *= min(0.5, _size(new) / _size(residual))
