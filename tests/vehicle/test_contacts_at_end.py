@@ -12,6 +12,8 @@ from plane import mirror_signs
 from small_strips import few_strips
 from standard_pair import wheel_on_rail
 
+from benchmarks.population.drawn_run import Run
+from benchmarks.population.runs import BY_METHOD, EVENTS, USUAL
 from wheelrail.contact.kinematics.frames import MIRROR, SIDES
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.contact.results.vehicle_contact import VehicleContact
@@ -28,6 +30,7 @@ from wheelrail.vehicle.simulation.contacts_at_end import ContactsAtEnd
 from wheelrail.vehicle.simulation.history import History
 from wheelrail.vehicle.simulation.simulate import simulate
 from wheelrail.vehicle.simulation.time_run import Recording
+from wheelrail.vehicle.steady.start_state import start_state
 from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
@@ -64,6 +67,22 @@ def test_value_and_slope_are_those_of_the_contact(seed: int) -> None:
     slope = np.polyfit(np.log(sizes), np.log([error(size, 0.0) for size in sizes]), 1)[0]
     assert slope == pytest.approx(2.0, abs=0.1)
     assert error(0.0, 1e-3) < 0.05  # N, by the turning track frame: to first order in yaw
+
+
+def test_wheelsets_with_and_without_moving_hubs() -> None:
+    """One wheelset on an elastic axle and pads, the others rigid: wheels have 9 or 27 coordinates."""
+    name, numbers = "elastic axle", {"method": BY_METHOD["rosenbrock_ends"]}
+    dynamics = Run(0, fixed=tuple((USUAL | numbers | EVENTS[name]).items())).dynamics
+    state = start_state(dynamics)
+    start = dynamics(0.0, state)
+    own_contacts = ContactsAtEnd.of(dynamics, state, start)
+    moved = state + 1e-6 * np.random.default_rng(1).normal(size=dynamics.size)
+    own, exact = own_contacts(0.0, moved, start).contacts, dynamics(0.0, moved, start).contacts
+    for wheelset in exact:
+        for side in SIDES:
+            changed = wrench(exact[wheelset][side]) - wrench(start.contacts[wheelset][side])
+            left = wrench(own[wheelset][side]) - wrench(exact[wheelset][side])
+            assert np.abs(left).max() < 0.02 * np.abs(changed).max()
 
 
 @dataclass(frozen=True)

@@ -127,11 +127,13 @@ class ContactsAtEnd:
         return contacts
 
     def _values_of(self, states: Mapping[str, WheelsetState]) -> Array:
-        """Values (w, 2, n + 1) of all wheels."""
-        radius = self.dynamics.vehicle.radius
-        return np.array(
-            [[values_on_rail(own.turning_as(side), side, radius) for side in SIDES] for own in states.values()]
-        )
+        """Values (w, 2, n + 1) of all wheels; motions that a wheelset does not have are zero."""
+        values = np.zeros((len(states), 2, self.tangents.shape[-1] + 1))
+        for of_wheelset, state in zip(values, states.values(), strict=True):
+            for row, side in zip(of_wheelset, SIDES, strict=True):
+                *own, row[-1] = values_on_rail(state.turning_as(side), side, self.dynamics.vehicle.radius)
+                row[: len(own)] = own
+        return values
 
     @cached_property
     def _values(self) -> Array:
