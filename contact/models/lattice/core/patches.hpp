@@ -10,6 +10,8 @@
 namespace wr {
 
 constexpr int PRESSURE_SAMPLES = 65;  // of the pressure along a strip, with its ends
+constexpr double FEW_ACROSS = 4.0;    // strips, up to which the largest one has the peak pressure; one more, and the
+                                      // curve through all has it
 
 // Largest pressure Pa along a strip with amplitudes (MODES,) Pa of sin(m angle), sqrt(1 - xi^2) U_m.
 inline double highest_pressure(Numbers modes) {
@@ -29,11 +31,25 @@ inline double highest_pressure(Numbers modes) {
     return highest;
 }
 
+// Strips across a patch of parabolic loads per width; from loads (n,) N and widths (n,) m.
+inline double strips_across_parabola(Numbers load, Numbers width) {
+    double total = 0.0, square = 0.0, mean = 0.0;
+    for (long i = 0; i < load.size(); ++i) {
+        total += load(i), mean += load(i) * width(i);
+        square += load(i) * load(i) / width(i);
+    }
+    return 1.2 * total * total * total / (square * mean);
+}
+
 // Largest pressure Pa over adjacent strips: of cubics between the squares of the largest values (n,) Pa of the strips
 // with middles and widths (n,) m whose slopes are those of parabolas through three of them: an ellipse is one parabola.
 // The largest value of a continuous curve changes continuously, that of the parabola at the largest strip jumps to
 // another parabola. The strips beyond have no pressure, as those that begin to touch.
-inline double peak_across(Numbers highest, Numbers middle, Numbers width) {
+//
+// An outer strip carries too little, and the next one too much: a constant pressure cannot follow a root. On few strips
+// the next one is the largest, and its value instead of the curve's is that of an ellipse within 1.4 % on four strips,
+// 2.3 % on 3.5.
+inline double peak_across(Numbers highest, Numbers middle, Numbers width, Numbers load) {
     std::vector<double> at{middle(0) - width(0)}, square{0.0};
     for (long i = 0; i < highest.size(); ++i) at.push_back(middle(i)), square.push_back(highest(i) * highest(i));
     at.push_back(at.back() + width(width.size() - 1)), square.push_back(0.0);
@@ -43,7 +59,7 @@ inline double peak_across(Numbers highest, Numbers middle, Numbers width) {
         double fall = (square[i] - square[i - 1]) / before, rise = (square[i + 1] - square[i]) / after;
         return (fall * after + rise * before) / (before + after);
     };
-    double largest = *std::max_element(square.begin(), square.end());
+    double strip = *std::max_element(square.begin(), square.end()), largest = strip;
     for (std::size_t i = 0; i + 1 < at.size(); ++i) {
         double h = at[i + 1] - at[i], rise = square[i + 1] - square[i], a = h * slope(i), b = h * slope(i + 1);
         double cubic = a + b - 2.0 * rise, bow = rise - a - cubic;  // value + a u + bow u^2 + cubic u^3, 0 < u < 1
@@ -51,7 +67,8 @@ inline double peak_across(Numbers highest, Numbers middle, Numbers width) {
         double u = a / (root - bow);  // where it is largest
         if (0.0 < u && u < 1.0) largest = std::max(largest, square[i] + u * (a + u * (bow + u * cubic)));
     }
-    return std::sqrt(largest);
+    double more = std::clamp(strips_across_parabola(load, width) - FEW_ACROSS, 0.0, 1.0);
+    return std::lerp(std::sqrt(strip), std::sqrt(largest), more * more * (3.0 - 2.0 * more));
 }
 
 // Means over the cells of all strips; contact modulus Pa of both bodies.
@@ -123,7 +140,7 @@ inline PatchRows patch_rows(Rows values, const EquationData& data, const BodyTab
                         {displaced.wheel.part(first, end), displaced.rail.part(first, end),
                          displaced.wheel_normal.part(first, end)},
                         middle, load);
-        store_patch(sums, peak_across(highest, middle, data.places.width.part(first, end)), result.rows[k]);
+        store_patch(sums, peak_across(highest, middle, data.places.width.part(first, end), load), result.rows[k]);
         first = end;
     }
     return result;
