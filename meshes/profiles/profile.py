@@ -197,4 +197,8 @@ def from_sections(
     """Profile from sections in its own frame, which must pass through the origin: s = 0 there."""
     whole = curve(sections)
     centred = Profile(whole.breaks - 0.5 * whole.breaks[-1], whole.coefficients, name, kind, placement or Placement())
-    return centred.transformed(0.0, 0.0, -float(centred.s_at_y(0.0)))
+    try:
+        origin = float(centred.s_at_y(0.0))
+    except ValueError:  # on a wall, as of a groove
+        origin = float(centred.closest(np.zeros((1, 2))).s[0])
+    return centred.transformed(0.0, 0.0, -origin)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from grooved_rails import grooved
 
 from wheelrail.meshes.curves.spline import at_points, through
 from wheelrail.meshes.profiles.formats import ProfileError
@@ -183,3 +184,14 @@ def test_sections_of_one_file(tmp_path: Path) -> None:
         assert np.ptp(rail.point(rail.samples(1e-4))[:, 1]) == pytest.approx(np.ptp(alone[:, 1]), abs=1e-6)
     with pytest.raises(ProfileError, match="section 3 of 2; allowed: 1 to 2"):
         read_profile(file, "rail", section=3)
+
+
+@pytest.mark.parametrize(("depth", "flangeway"), [(0.047, 0.036), (0.040, 0.040), (0.060, 0.080)])
+def test_rails_whose_middle_is_on_a_wall_of_their_groove(depth: float, flangeway: float, tmp_path: Path) -> None:
+    """Their curves begin at the middle of the points, where y need not increase."""
+    rail, head = grooved(tmp_path, depth, flangeway), named_profile("60E1")
+    on_head = head.point(head.samples(1e-3, start=0.0, stop=0.05))
+    assert np.abs(rail.closest(on_head).distance).max() < 2e-6  # m, of a spline through points 0.2 mm apart
+    np.testing.assert_allclose(rail.point(0.0), 0.0, atol=1e-9)
+    y, z = rail.point(rail.samples(1e-4)).T
+    assert z[np.abs(y + 0.036 + 0.5 * flangeway) < 5e-3].max() == pytest.approx(-depth, abs=1e-6)  # the floor
