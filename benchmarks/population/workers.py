@@ -110,7 +110,7 @@ def verdicts(seeds: Sequence[int], plan: Plan) -> Iterator[Verdict]:
     for _ in range(plan.processes):
         started()
     while workers:
-        ready = wait([worker.pipe for worker in workers], timeout=1.0)
+        ready = wait([worker.pipe for worker in workers], timeout=min(1.0, plan.limit))
         for worker in [*workers]:
             if worker.pipe in ready:
                 try:
