@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import fcntl
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import dolfinx.jit
 from dolfinx import fem
 from mpi4py import MPI
 
-from wheelrail.support.cache import cache_folder
+from wheelrail.support.cache import cache_folder, one_process
 
 EARLIER = 1.0  # s, by which clocks of files may differ
 
@@ -27,22 +26,15 @@ def compiling() -> Iterator[None]:
     if MPI.COMM_WORLD.rank > 0:
         yield
         return
-    with ExitStack() as stack:
-        busy: Any = None
+    mark = cache_folder() / "compiling"  # of a process that has not come to the end of the block
+    with one_process("forms"):
         with suppress(OSError):
-            path = cache_folder() / "forms.lock"
-            path.parent.mkdir(parents=True, exist_ok=True)
-            file = stack.enter_context(path.open("a+"))
-            fcntl.flock(file, fcntl.LOCK_EX)  # which ends with the process
-            if path.stat().st_size > 0:
-                _remove_unfinished(path.stat().st_mtime - EARLIER)
-            file.truncate(0)
-            file.write("compiling")
-            file.flush()
-            busy = file
+            if mark.exists():
+                _remove_unfinished(mark.stat().st_mtime - EARLIER)
+            mark.touch()
         yield
-        if busy is not None:
-            busy.truncate(0)
+        with suppress(OSError):
+            mark.unlink()
 
 
 def _remove_unfinished(since: float) -> None:

@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Callable
 from itertools import count
 from pathlib import Path
+from threading import Event, Thread
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,7 @@ from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies import solids as bodies
 from wheelrail.meshes.bodies.solids import block
 from wheelrail.meshes.bodies.triangulation import Grading
-from wheelrail.support.cache import cached, digest, load, store
+from wheelrail.support.cache import cached, digest, load, one_process, store
 
 ROOT = Path(__file__).parents[2]
 ARRAYS = {"points": np.linspace(0.0, 1.0, 12).reshape(4, 3), "cells": np.arange(8), "mask": np.array([True, False])}
@@ -364,3 +365,30 @@ def test_two_processes_share_a_cache(folder: Path, script: str) -> None:
 def test_one_process_builds_what_two_need(folder: Path) -> None:
     assert sorted(together(BUILDER)) == ["", "built\n"]
     assert [path.name for path in folder.rglob("*") if path.is_file()] == ["slow.npz"]
+
+
+def test_one_process_of_three_at_a_time(folder: Path) -> None:
+    """Also with one that has waited for a file which is gone."""
+    entered, left, last = Event(), Event(), Event()
+
+    def second() -> None:
+        with one_process("x"):
+            entered.set()
+            left.wait(60.0)
+
+    def third() -> None:
+        with one_process("x"):
+            last.set()
+
+    threads = [Thread(target=second), Thread(target=third)]
+    with one_process("x"):
+        threads[0].start()
+        assert not entered.wait(0.3)
+    assert entered.wait(60.0)
+    threads[1].start()
+    assert not last.wait(0.3)
+    left.set()
+    assert last.wait(60.0)
+    for thread in threads:
+        thread.join()
+    assert not list(folder.iterdir())

@@ -163,10 +163,15 @@ def cached(name: str, build: Callable[[], Arrays], names: Sequence[str]) -> Arra
 @contextmanager
 def one_process(name: str) -> Iterator[None]:
     """One process at a time in the block; all of them where files cannot be locked."""
-    path = cache_folder() / f"{name}.lock"
+    path, held = cache_folder() / f"{name}.lock", False
     with ExitStack() as stack:
         with suppress(OSError):
             path.parent.mkdir(parents=True, exist_ok=True)
-            fcntl.flock(stack.enter_context(path.open("w")), fcntl.LOCK_EX)  # which ends with the process
+            while not held:
+                file = stack.enter_context(path.open("w"))
+                fcntl.flock(file, fcntl.LOCK_EX)  # which ends with the process
+                # Its holder removes the file: a lock on one that is gone keeps nobody out.
+                with suppress(FileNotFoundError):
+                    held = os.path.samestat(os.fstat(file.fileno()), path.stat())
             stack.callback(path.unlink, missing_ok=True)
         yield
