@@ -82,7 +82,7 @@ SOLVED = $(KEPT)/solved-$(call hash,$(sort $(shell find contact forms meshes whe
 suite: export WHEELRAIL_TEST_CACHE ?= $(shell mkdir -p $(SOLVED) && touch $(SOLVED) && echo $(SOLVED))
 suite: $(VENV)/ready-to-test
 	@$(MAKE) core
-	-@find $(KEPT) -mindepth 1 -maxdepth 1 ! -name mypy -mtime +7 -exec rm -rf {} +
+	-@find $(KEPT) -mindepth 1 -maxdepth 1 \( -name 'tidied-*' -o -name 'solved-*' \) -mtime +7 -exec rm -rf {} +
 	$(PYTEST) $(SHARED) --max-worker-restart 0 $(DRAWN)
 	$(PYTEST) $(SHARED) --max-worker-restart 0 $(patsubst %,--ignore=%,$(DRAWN) $(SANITIZED))
 
