@@ -101,6 +101,5 @@ void bind_element(nb::module_& m) {
         "File of a wheelset for the library without Python: token of a unit; start (17,), inputs of the scene's state; "
         "allowed inputs; friction coefficients of both sides, NaN of laws, and what is allowed; allowed loads N of a "
         "wheel; radius m and contact modulus Pa of a sphere whose approach is about that of a wheel; dimensions m of "
-        "both "
-        "sides; contact models of both sides, or one for both.");
+        "both sides; contact models of both sides, or one for both.");
 }

@@ -9,12 +9,12 @@
 namespace wr {
 
 constexpr int MAX_TRIALS = 24;  // of Broyden's method: 4 to 10 suffice but on steep flanges
-constexpr double FARTHEST_WHEEL =
-    3.0;                          // step beyond a gap, over the approach: deeper wheels are not needed, and take long
-constexpr int LIFTS = 12;         // of a wheel that cannot be solved at the start, each twice as far as before
-constexpr double WIDEST = 0.15;   // m, largest change of the difference of both depths: rolls of 0.1 rad
-constexpr double LIFTED = 0.9;    // part of a load by which wheels that hardly carry, or carry nearly all, are told
-                                  // from others
+// Step beyond a gap, over the approach: deeper wheels are not needed, and take long.
+constexpr double FARTHEST_WHEEL = 3.0;
+constexpr int LIFTS = 12;        // of a wheel that cannot be solved at the start, each twice as far as before
+constexpr double WIDEST = 0.15;  // m, largest change of the difference of both depths: rolls of 0.1 rad
+// Part of a load by which wheels that hardly carry, or carry nearly all, are told from others.
+constexpr double LIFTED = 0.9;
 constexpr int MAX_HALVINGS = 60;  // of a bracket
 
 using OfWheels = std::array<double, 2>;
@@ -28,11 +28,11 @@ struct LoadsSolution {
     long trials = 0;
 };
 
+// Slopes: diagonal of the initial Jacobian, N^(2/3)/m; the force of a wheel depends mostly on its own depth.
 struct LoadsTarget {
     OfWheels loads;  // N
     OfWheels start;  // m, initial depths
-    OfWheels
-        slopes;  // N^(2/3)/m, diagonal of the initial Jacobian: the force of a wheel depends mostly on its own depth
+    OfWheels slopes;
     double rtol = RTOL;
     Results guess = {};  // results to start from
 };

@@ -8,13 +8,13 @@ constexpr double DEEPEST_WHEEL = 0.05;  // m below the nominal height, limit of 
 constexpr double FRICTIONLESS = 1e-3;   // tolerance of the load without friction, for a first depth
 constexpr double FIRST = 0.02;          // that of each wheel on its own, before both on one axle
 constexpr double DEEP = 3.0;            // times the expected approach: too large a penetration to start from
-constexpr double SHALLOW = 1e-3;  // times that: 0.8 nm of a cylinder on a plane, as long as wide, took 7 GB on the
-                                  // finest strips
-constexpr double TOO_FAR = 50.0;  // times the expected approach, with which no wheel carries its load: steep
-                                  // flanges take 35 times at most
-constexpr double HELD = 2e-4;     // m, as under usual loads: friction may hold a wheel down on a steep flange to
-                                  // this under any load
-constexpr int START_STEPS = 12;   // to a start without a solve
+// Times that: 0.8 nm of a cylinder on a plane, as long as wide, took 7 GB on the finest strips.
+constexpr double SHALLOW = 1e-3;
+// Times the expected approach, with which no wheel carries its load: steep flanges take 35 times at most.
+constexpr double TOO_FAR = 50.0;
+// m, as under usual loads: friction may hold a wheel down on a steep flange to this under any load.
+constexpr double HELD = 2e-4;
+constexpr int START_STEPS = 12;          // to a start without a solve
 constexpr double FLATTEST_FLANGE = 0.1;  // smallest change of the penetration by the height that they use
 
 // What is left open of a wheelset's state.
