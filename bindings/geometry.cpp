@@ -16,9 +16,9 @@ namespace {
 
 using Complex = View<const std::complex<double>, 1>;
 
-Pose<double> pose(const Numbers& origin, const Rows& rotation) {
+Pose<double> pose(const Numbers& origin, const Rows& rotation, double plan) {
     require(origin.size() == 3 && rotation.shape == std::array<long, 2>{3, 3}, "pose: must be (3,) and (3, 3)");
-    return pose_of(origin, rotation);
+    return pose_of(origin, rotation, plan);
 }
 
 Array<double, 1> copied(const std::array<double, HALF>& values) {
@@ -35,27 +35,28 @@ void bind_surfaces(nb::module_& m) {
                            "Surfaces of a pair: whether the upper one is a wheel's profile revolved about y, on an "
                            "extruded rail, else quadrics; profiles wheel and rail; radius m of the wheel; coefficients "
                            "upper and lower (2,) 1/m of quadrics along x and across.");
-    structure<Motion>(m, "Motion", {"origin", "rotation", "wheel", "rail", "speed"},
-                      "Pose of the upper body, origin (3,) m and rotation (3, 3), velocity fields of both bodies, and "
+    structure<Motion>(m, "Motion", {"origin", "rotation", "plan", "wheel", "rail", "speed"},
+                      "Pose of the upper body, origin (3,) m and rotation (3, 3), on a rail with the curvature plan 1/m in "
+                      "plan, velocity fields of both bodies, and "
                       "the rolling speed m/s; 0 without friction.");
     structure<Penetration>(m, "Penetration", {"depth", "slope", "foot"},
                            "Penetration at n points: depth (n,) m, -inf beyond the ends of the rail; its derivative "
                            "slope (n,) along x; foot (n,) m, arc length of the closest points on the lower body.");
     m.def(
         "penetration",
-        [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, const Numbers& s,
+        [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, double plan, const Numbers& s,
            const Numbers& x) {
             require_places(s, x);
-            return penetration(surface, pose(origin, rotation), s, x);
+            return penetration(surface, pose(origin, rotation, plan), s, x);
         },
-        "surface"_a, "origin"_a, "rotation"_a, "s"_a, "x"_a, Unlocked(),
+        "surface"_a, "origin"_a, "rotation"_a, "plan"_a, "s"_a, "x"_a, Unlocked(),
         "`Penetration` of points s, x (n,) m across and along, at a pose (3,) m and (3, 3).");
     m.def(
         "crests",
-        [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, const Numbers& s) {
-            return crests(surface, pose(origin, rotation), s);
+        [](const SurfaceData& surface, const Numbers& origin, const Rows& rotation, double plan, const Numbers& s) {
+            return crests(surface, pose(origin, rotation, plan), s);
         },
-        "surface"_a, "origin"_a, "rotation"_a, "s"_a, Unlocked(),
+        "surface"_a, "origin"_a, "rotation"_a, "plan"_a, "s"_a, Unlocked(),
         "Largest penetration on the lines s (n,) m at a pose (3,) m and (3, 3), its place (n,) m along x and the "
         "relative curvature (n,) 1/m there.");
     m.def(
@@ -70,12 +71,12 @@ void bind_surfaces(nb::module_& m) {
         "body: lines s and places x (n,) m of the largest penetration on them, feet (n,) m of the closest points.");
     m.def(
         "wheel_points",
-        [](const Shape& wheel, double radius, const Numbers& origin, const Rows& rotation, const Numbers& s,
+        [](const Shape& wheel, double radius, const Numbers& origin, const Rows& rotation, double plan, const Numbers& s,
            const Numbers& x) {
             require_places(s, x);
-            return wheel_points(wheel, radius, pose(origin, rotation), s, x);
+            return wheel_points(wheel, radius, pose(origin, rotation, plan), s, x);
         },
-        "wheel"_a, "radius"_a, "origin"_a, "rotation"_a, "s"_a, "x"_a, Unlocked(),
+        "wheel"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "s"_a, "x"_a, Unlocked(),
         "Points (n, 3) m and axes (n, 3, 3) at s, x (n,) m on a wheel of a radius m at a pose (3,) m and (3, 3), s "
         "limited to the profile's ends.");
     m.def(
@@ -163,67 +164,67 @@ void bind_searches(nb::module_& m) {
                             "virtual bodies, and radius along x.");
     m.def(
         "lines_to_scan",
-        [](const Lines& lines, double radius, const Numbers& origin, const Rows& rotation, double margin) {
-            return lines_to_scan(lines, radius, pose(origin, rotation), margin);
+        [](const Lines& lines, double radius, const Numbers& origin, const Rows& rotation, double plan, double margin) {
+            return lines_to_scan(lines, radius, pose(origin, rotation, plan), margin);
         },
-        "lines"_a, "radius"_a, "origin"_a, "rotation"_a, "margin"_a = 0.0, Unlocked(),
+        "lines"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "margin"_a = 0.0, Unlocked(),
         "First of the lines that may come closer to the rail at a pose (3,) m and (3, 3) than a margin m, 0 if they "
         "overlap it, and one past the last: the ordinary ones, and all before or after them unless bounds of their "
         "places show that they do not; radius m.");
     m.def(
         "scan",
-        [](const Shape& rail, const Lines& lines, double radius, const Numbers& origin, const Rows& rotation,
+        [](const Shape& rail, const Lines& lines, double radius, const Numbers& origin, const Rows& rotation, double plan,
            const Part& part) {
             require_lines(rail, lines, part);
-            return scan(rail, lines, radius, pose(origin, rotation), part);
+            return scan(rail, lines, radius, pose(origin, rotation, plan), part);
         },
-        "rail"_a, "lines"_a, "radius"_a, "origin"_a, "rotation"_a, "part"_a, Unlocked(),
+        "rail"_a, "lines"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "part"_a, Unlocked(),
         "Penetration at some lines of a wheel of a radius m at a pose (3,) m and (3, 3), to about 1e-9 m; beside the "
         "rail minus the distance from its end. part: the first of the lines, and one past the last; others are left "
         "out.");
     m.def(
         "local_maxima",
-        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation, double plan,
            const Numbers& lines, const Scan& samples) {
             require(samples.depth.size() == lines.size() && samples.of(rail),
                     "samples: must be those of lines and rail");
-            auto found = local_maxima({wheel, rail, radius}, pose(origin, rotation), lines, samples);
+            auto found = local_maxima({wheel, rail, radius}, pose(origin, rotation, plan), lines, samples);
             Array<long, 1> before(long(found.before.size()));
             std::copy(found.before.begin(), found.before.end(), before.begin());
             return std::tuple{rows_of(found.top), rows_of(found.low), before, found.approach};
         },
-        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "lines"_a, "samples"_a, Unlocked(),
+        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "lines"_a, "samples"_a, Unlocked(),
         "Maxima (n, 3) of the penetration, minima (n - 1, 3) between them, line (n,) before each maximum, and largest "
         "penetration m, of a wheel at a pose (3,) m and (3, 3), from a scan on lines (m,) m. Columns: position, "
         "penetration and x, m. A gap between two maxima has the penetration 0.");
     m.def(
         "nearest_place",
-        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation, double plan,
            const Lines& lines, const Part& part, const Scan& samples) {
             require_scan(rail, lines, part, samples);
-            return numbers(nearest_place({wheel, rail, radius}, pose(origin, rotation), lines, part, samples));
+            return numbers(nearest_place({wheel, rail, radius}, pose(origin, rotation, plan), lines, part, samples));
         },
-        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "lines"_a, "part"_a, "samples"_a, Unlocked(),
+        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "lines"_a, "part"_a, "samples"_a, Unlocked(),
         "Position s m on the wheel's profile, penetration and x m where the penetration is largest, at a pose (3,) m "
         "and (3, 3); separated surfaces have minus their gap. part: first of the lines that may overlap the rail, and "
         "one past the last; samples: their scan.");
     m.def(
         "overlap",
-        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation, double plan,
            const Lines& lines, const std::string& wheel_name, const std::string& rail_name) {
             require(lines.of(rail), "lines: must be those of the rail");
-            return overlap({wheel, rail, radius}, pose(origin, rotation), lines, wheel_name, rail_name);
+            return overlap({wheel, rail, radius}, pose(origin, rotation, plan), lines, wheel_name, rail_name);
         },
-        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "lines"_a, "wheel_name"_a, "rail_name"_a, Unlocked(),
+        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "lines"_a, "wheel_name"_a, "rail_name"_a, Unlocked(),
         "Message on interpenetration beyond the solved regions; others as for `wheel_regions`.");
     m.def(
         "wheel_regions",
-        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation, double plan,
            const Lines& lines, double merge) {
             require(lines.of(rail), "lines: must be those of the rail");
-            return wheel_regions({wheel, rail, radius}, pose(origin, rotation), lines, merge);
+            return wheel_regions({wheel, rail, radius}, pose(origin, rotation, plan), lines, merge);
         },
-        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "lines"_a, "merge"_a, Unlocked(),
+        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "lines"_a, "merge"_a, Unlocked(),
         "Regions of a wheel at a pose (3,) m and (3, 3); maxima of the penetration, which is sampled on the lines, "
         "closer than merge m are one contact.");
     m.def("merging_weights", &weights, "top"_a, "low"_a, "merge"_a, "by_top"_a, "by_low"_a, Unlocked(),

@@ -17,10 +17,11 @@ void bind_kinematics(nb::module_& m) {
                                "Rigid motion of wheel and rail: velocity m/s, angular velocity rad/s and reference "
                                "point m, (3,) each.");
     structure<WheelPairs>(
-        m, "WheelPairs", {"origin", "rotation", "motion", "centre"},
+        m, "WheelPairs", {"origin", "rotation", "motion", "centre", "plan"},
         "Poses and motions of w wheels, each as that of a left-hand pair in the frame of its rail: "
         "origin (w, 3) m and rotation (w, 3, 3) of the wheels' frames; motion (w, 6, 3), in the order "
-        "of `RigidVelocities`; centre (w, 3) m, reference points of moments.");
+        "of `RigidVelocities`; centre (w, 3) m, reference points of moments; plan (w,) 1/m, curvatures of the "
+        "rails in plan.");
     m.def(
         "left_pairs",
         [](const Rows& states, const Dimensions& dimensions, bool mirror) {

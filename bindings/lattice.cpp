@@ -130,26 +130,26 @@ void bind_system(nb::module_& m) {
         "Values (S, block) after a fraction of a step; whole (S,) Pa m, loads on the whole width.");
 }
 
-LiftedPenetration lifted(const SurfaceData& surface, Numbers origin, Rows rotation, Rows lift) {
+LiftedPenetration lifted(const SurfaceData& surface, Numbers origin, Rows rotation, double plan, Rows lift) {
     require(origin.size() == 3 && rotation.shape == std::array{3L, 3L}, "origin, rotation: must be (3,) and (3, 3)");
     require(lift.size() == 2 && lift.shape[1] > 0, "lift: must be (2, R)");
-    return {surface, pose_of(origin, rotation), lift[0], lift[1]};
+    return {surface, pose_of(origin, rotation, plan), lift[0], lift[1]};
 }
 
 void bind_width(nb::module_& m) {
     m.def(
         "maxima",
-        [](const SurfaceData& surface, Numbers origin, Rows rotation, Rows lift, Numbers middle, Numbers width,
+        [](const SurfaceData& surface, Numbers origin, Rows rotation, double plan, Rows lift, Numbers middle, Numbers width,
            Numbers depth) {
             require(width.size() == middle.size() && depth.size() == middle.size(), "middle, width, depth: (K,)");
-            auto found = maxima(lifted(surface, origin, rotation, lift), middle, width, depth);
+            auto found = maxima(lifted(surface, origin, rotation, plan, lift), middle, width, depth);
             Array<double, 2> bounds(long(found.size()), 2);
             Array<bool, 1> continues(bounds.size());
             for (long p = 0; p < bounds.size(); ++p)
                 bounds(p, 0) = found[p].low, bounds(p, 1) = found[p].high, continues(p) = found[p].continues;
             return std::pair{bounds, continues};
         },
-        "surface"_a, "origin"_a, "rotation"_a, "lift"_a, "middle"_a, "width"_a, "depth"_a, Unlocked(),
+        "surface"_a, "origin"_a, "rotation"_a, "plan"_a, "lift"_a, "middle"_a, "width"_a, "depth"_a, Unlocked(),
         "Pieces of the undeformed penetration with one maximum each, in order: their bounds (P, 2) m, and whether they "
         "continue the last one across a saddle (P,). Pose of the upper body; lift (2, R) m, places of lines, and by "
         "how "
@@ -157,16 +157,16 @@ void bind_width(nb::module_& m) {
         "the lift.");
     m.def(
         "penetrated_width",
-        [](const SurfaceData& surface, Numbers origin, Rows rotation, Rows lift, Numbers middle, Numbers width,
+        [](const SurfaceData& surface, Numbers origin, Rows rotation, double plan, Rows lift, Numbers middle, Numbers width,
            Rows bounds, View<const bool, 1> continues, bool slopes) {
             require(width.size() == middle.size() && width.size() > 0, "middle, width: must be (K,)");
             require(bounds.shape == std::array{continues.size(), 2L}, "bounds, continues: must be (P, 2) and (P,)");
             std::vector<Piece> pieces;
             pieces.reserve(bounds.size());
             for (long p = 0; p < bounds.size(); ++p) pieces.push_back({bounds(p, 0), bounds(p, 1), continues(p)});
-            return penetrated_width(lifted(surface, origin, rotation, lift), middle, width, pieces, slopes);
+            return penetrated_width(lifted(surface, origin, rotation, plan, lift), middle, width, pieces, slopes);
         },
-        "surface"_a, "origin"_a, "rotation"_a, "lift"_a, "middle"_a, "width"_a, "bounds"_a, "continues"_a, "slopes"_a,
+        "surface"_a, "origin"_a, "rotation"_a, "plan"_a, "lift"_a, "middle"_a, "width"_a, "bounds"_a, "continues"_a, "slopes"_a,
         Unlocked(),
         "Number of strips across the penetration, and its derivative (6 + R,) by pose and lift if slopes, else zeros: "
         "surface to width as for `maxima`, whose results are bounds (P, 2) m and continues (P,).");

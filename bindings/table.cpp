@@ -22,7 +22,7 @@ struct WheelAndRail {
         for (const Numbers& of : twists) right = right && of.size() == 3;
         require(right, "pose, twists: must be (3,) and (3, 3), and six times (3,)");
         auto of = [&](int k) { return vec_of(twists[k]); };
-        pose = pose_of(origin, rotation);
+        pose = pose_of(origin, rotation, 0.0);
         motion = {{of(0), of(1), of(2)}, {of(3), of(4), of(5)}};
     }
 };

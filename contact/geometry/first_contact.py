@@ -76,7 +76,7 @@ def contact_point(pair: RigidWheelRail, mounting: Mounting, state: WheelsetState
     if contact.penetration > 0.0:
         return contact
     distance = NUDGE - contact.penetration
-    closer = _largest_penetration(pair, Pose(pose.origin - distance * contact.normal, pose.rotation))
+    closer = _largest_penetration(pair, replace(pose, origin=pose.origin - distance * contact.normal))
     return replace(closer, point=closer.point + distance * contact.normal, penetration=closer.penetration - distance)
 
 

@@ -27,19 +27,22 @@ class Pose:
     Parameters:
         origin: (3,) m.
         rotation: (3, 3), the wheel's axes as columns.
+        plan: 1/m, the rail's curvature in plan, positive to the left: its profile lies at y = plan x^2 / 2 along x.
     """
 
     origin: Array
     rotation: Array
+    plan: float = 0.0
 
     @property
-    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Origin and rotation for the core, which takes contiguous numbers."""
-        return np.ascontiguousarray(self.origin, dtype=float), np.ascontiguousarray(self.rotation, dtype=float)
+    def arrays(self) -> tuple[NDArray[np.float64], NDArray[np.float64], float]:
+        """Origin, rotation and curvature for the core, which takes contiguous numbers."""
+        origin, rotation = (np.ascontiguousarray(part, dtype=float) for part in (self.origin, self.rotation))
+        return origin, rotation, self.plan
 
     def mirrored(self) -> Pose:
         """The pose in the mirror y = 0, the wheel's own lateral axis still to the left."""
-        return Pose(MIRROR * self.origin, self.rotation * np.outer(MIRROR, MIRROR))
+        return Pose(MIRROR * self.origin, self.rotation * np.outer(MIRROR, MIRROR), -self.plan)
 
 
 def cross(a: Array, b: Array) -> Array:

@@ -21,13 +21,15 @@ def one_pair(pose: Pose, motion: RigidMotion) -> WheelPairs:
     """One pair, with moments about the rail's origin."""
     wheel, rail = motion.wheel, motion.rail
     rows = wheel.velocity, wheel.rotation, wheel.reference, rail.velocity, rail.rotation, rail.reference
-    origin, rotation = pose.arrays
-    return WheelPairs(origin[None], rotation[None], np.array([rows], dtype=float), np.zeros((1, 3)))
+    origin, rotation, plan = pose.arrays
+    return WheelPairs(
+        origin[None], rotation[None], np.array([rows], dtype=float), np.zeros((1, 3)), np.array([plan], dtype=float)
+    )
 
 
 def pose_of(pairs: WheelPairs, i: int) -> Pose:
     """Pose of wheel i."""
-    return Pose(pairs.origin[i], pairs.rotation[i])
+    return Pose(pairs.origin[i], pairs.rotation[i], float(pairs.plan[i]))
 
 
 def motion_of(pairs: WheelPairs, i: int) -> RigidMotion:

@@ -21,8 +21,7 @@ class VariedPair:
         origin: (3, n) m, of the wheel's frame.
         forth, axle, up: (3, n), its axes.
         wheel, rail: velocity, rotation and reference (3, n) of both bodies.
-        curvature: of the track, 1/m, positive to the left, of the rotation of its frame at the speed along it; at no
-            speed 0.
+        curvature: of the rail in plan, 1/m, positive to the left.
     """
 
     origin: Array
@@ -53,18 +52,12 @@ class VariedPair:
             own = [row + 1j * STEP * change.T for row, change in zip(own, moved, strict=True)]
         rails = (rail.velocity[:, None], rail.rotation[:, None], rail.reference[:, None])
         origin, forth, axle, up, *moves = own
-        return cls(origin, forth, axle, up, (moves[0], moves[1], moves[2]), rails, curvature_of(motion))
+        return cls(origin, forth, axle, up, (moves[0], moves[1], moves[2]), rails, pose.plan)
 
     def slip(self, point: Array) -> Array:
         """Velocity (3, n) m/s of the wheel's material against the rail's at points (3, n)."""
         wheel, rail = (own[0] + cross(own[1], point - own[2]) for own in (self.wheel, self.rail))
         return np.asarray(wheel - rail)
-
-
-def curvature_of(motion: RigidMotion) -> float:
-    """Curvature 1/m of the track, see `VariedPair`."""
-    along = float(motion.rail.velocity[0])
-    return float(motion.rail.rotation[2]) / along if along else 0.0
 
 
 def dot(a: Array, b: Array) -> Array:

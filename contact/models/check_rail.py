@@ -24,7 +24,7 @@ import numpy as np
 from wheelrail.contact.analytical.point_contact import point_contact
 from wheelrail.contact.geometry.flange_back import CheckRail, FlangeBack
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion, Side
-from wheelrail.contact.kinematics.varied_pair import STEP, VariedPair, cross, curvature_of, dot, unit
+from wheelrail.contact.kinematics.varied_pair import STEP, VariedPair, cross, dot, unit
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.results.result import ContactResult, Patch
 from wheelrail.contact.solvers.tangent import ContactTangent
@@ -100,7 +100,7 @@ class CheckRailContact:
         return gap > reach * (abs(state.yaw) + 0.5 * abs(k) * reach) + self._edge * abs(state.roll) + ROOM
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
-        gap = self._least_gap(pose, motion)
+        gap = self._least_gap(pose)
         if gap > 0.0:
             return ContactResult.separated(-gap)
         at = VariedPair.of(pose, motion)
@@ -125,9 +125,9 @@ class CheckRailContact:
         """Radius m of the circle of centres of the edge's rounding."""
         return self.radius + self.back.height
 
-    def _least_gap(self, pose: Pose, motion: RigidMotion) -> float:
+    def _least_gap(self, pose: Pose) -> float:
         """A bound m below the distance of both bodies."""
-        (forth, axle, up), k = pose.rotation[1].tolist(), curvature_of(motion)
+        (forth, axle, up), k = pose.rotation[1].tolist(), pose.plan
         _, y, z = pose.origin.tolist()
         # of the circle, points count that are lower than the top of the check rail
         cosine = (z - abs(self.back.y * float(pose.rotation[2, 1])) - self.rail.height) / self._edge - NEAR

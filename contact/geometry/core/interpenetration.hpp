@@ -158,7 +158,8 @@ inline WheelRegions wheel_regions(const WheelRail& pair, const Pose<double>& pos
                 strip(2) = std::abs(edge - middle) * WIDTHS[q];
                 double depth_there = covered(own.depth - level, valley, std::abs(s - top[k].s), merge);
                 strip(3) = std::max(depth_there, MIN_PENETRATION);
-                strip(4) = (line.point.z + pair.radius) / std::max(line.tangent.y, MIN_SLOPE_COSINE);
+                double r = line.point.z + pair.radius;
+                strip(4) = r / std::max(level_share(line.tangent, r, pose.plan), MIN_SLOPE_COSINE);
             }
         }
     }

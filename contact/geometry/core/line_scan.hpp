@@ -52,7 +52,7 @@ struct Lines {
 // o_z + R_zy y + r (R_zx sin t - R_zz cos t), and laterally at o_y + R_yy y + r (R_yx sin t - R_yz cos t).
 inline bool meets(const Lines& lines, const Box& box, double hand, double radius, const Pose<double>& pose,
                   double margin) {
-    const auto& [origin, m] = pose;
+    const auto& [origin, m, plan] = pose;
     double r = radius + box.high, least = radius + box.low;
     double reach = r * std::sqrt(m.x.z * m.x.z + m.z.z * m.z.z);
     long count = lines.outline.shape[1];
@@ -60,8 +60,10 @@ inline bool meets(const Lines& lines, const Box& box, double hand, double radius
     if (centre - reach >= top) return false;
     // within the angles at which a point may be lower than the highest one of the rail
     double cosine = std::min(std::max((centre - top) / reach, 0.0), 1.0);
-    double away = r * std::abs(m.x.y) * std::sqrt(1.0 - cosine * cosine);
+    double sine = std::sqrt(1.0 - cosine * cosine), away = r * std::abs(m.x.y) * sine;
     away += std::abs(m.z.y) * (r - least * cosine + r * std::abs(m.x.z));
+    double along = std::abs(origin.x) + std::abs(m.y.x) * lines.widest + r * sine;
+    away += 0.5 * std::abs(plan) * along * along;
     double side = origin.y + m.y.y * box.side - m.z.y * r + hand * (away + margin);
     long low = 0, high = count;  // number of the rail's samples before the side
     while (low < high) {
@@ -92,27 +94,28 @@ inline Scan scan(const Shape& rail, const Lines& lines, double radius, const Pos
     Scan result{Array<double, 1>(n), Array<double, 1>(n), Array<double, 1>(n), Array<long, 1>(n)};
     std::fill(result.depth.begin(), result.depth.end(), NONE);
     std::fill(result.sample.begin(), result.sample.end(), -1L);
-    const auto& [origin, m] = pose;
     double sine = 0.0, cosine = 1.0;
     for (long i = part.first; i < part.second; ++i) {
         auto z = point_of(lines.point(i)), t = point_of(lines.tangent(i));
+        auto seen = seen_line(z, radius, pose);
+        const auto& [origin, forth, axle, high, plan, ahead, own, along] = seen;
         long before = sample;
         double r = z.z + radius, at = 0.0, change = 0.0, a = 0.0, d = 0.0, curvature = 0.0;
         Point<double> offset, normal;
         bool ended = false;
         if (sample >= 0) sample = std::min(std::max(sample + advance, 0L), last);
         for (int turn = 0; turn < TURNS; ++turn) {
-            Point<double> q{origin.y + m.x.y * r * sine + m.y.y * z.y - m.z.y * r * cosine,
-                            origin.z + m.x.z * r * sine + m.y.z * z.y - m.z.z * r * cosine};
+            Point<double> q{origin.y + forth.y * r * sine + axle.y * z.y - high.y * r * cosine,
+                            origin.z + forth.z * r * sine + axle.z * z.y - high.z * r * cosine};
             sample = sample_from(rail, q, sample);
-            auto along = point_of(lines.rail_tangent(sample));
+            auto level = point_of(lines.rail_tangent(sample));
             offset = q - point_of(rail.sampled(sample)), curvature = lines.rail_curvature(sample);
-            a = dot(offset, along), d = cross(along, offset);
+            a = dot(offset, level), d = cross(level, offset);
             // to the closest point on the circle of curvature, in a hollow no further than the next sample
             a = std::min(std::max(a / (1.0 + curvature * d), -SPACING), SPACING);
             double bend = a * curvature, even = 1.0 - 0.5 * bend * bend;
-            normal = {along.y * bend - along.z * even, along.y * even + along.z * bend};
-            double forward = normal.y * m.x.y + normal.z * m.x.z, upward = normal.y * m.z.y + normal.z * m.z.z;
+            normal = {level.y * bend - level.z * even, level.y * even + level.z * bend};
+            double forward = normal.y * forth.y + normal.z * forth.z, upward = normal.y * high.y + normal.z * high.z;
             if (upward == 0.0) break;
             double size = std::copysign(std::sqrt(forward * forward + upward * upward), upward);
             double before_last = at, changed = change;
@@ -128,8 +131,9 @@ inline Scan scan(const Shape& rail, const Lines& lines, double radius, const Pos
             sample = -1, sine = 0.0, cosine = 1.0;
             continue;
         }
-        double ty = m.x.y * t.z * sine + m.y.y * t.y - m.z.y * t.z * cosine;
-        double tz = m.x.z * t.z * sine + m.y.z * t.y - m.z.z * t.z * cosine;
+        double ty = forth.y * t.z * sine + axle.y * t.y - high.y * t.z * cosine;
+        double tz = forth.z * t.z * sine + axle.z * t.y - high.z * t.z * cosine;
+        if (plan != 0.0) ty -= seen.bent(t, sine, cosine);
         result.depth(i) = -(d + 0.5 * curvature * a * a * (1.0 + curvature * d));
         result.slope(i) = -(ty * normal.y + tz * normal.z);
         result.x(i) = radius * std::asin(sine), result.sample(i) = sample;
@@ -142,7 +146,7 @@ inline Scan scan(const Shape& rail, const Lines& lines, double radius, const Pos
 // are above the rail, the wheel is.
 inline bool inside(const Lines& lines, const Scan& samples, const Part& part, double radius, const Pose<double>& pose) {
     auto across = lines.outline[0], heights = lines.outline[1];
-    const auto& [origin, m] = pose;
+    const auto& [origin, m, plan] = pose;
     for (long i = part.first; i < part.second; ++i) {
         if (samples.sample(i) >= 0 && samples.depth(i) <= 0.0) continue;
         double along = lines.point(i).real(), r = lines.point(i).imag() + radius;

@@ -45,17 +45,13 @@ struct LowestStep {
     double determinant;
 };
 
-template <class Z, class P>
-auto lowest_step(const OnCurve<Z>& wheel, double radius, const Pose<P>& pose, double sine, double cosine,
+template <class Z, class T>
+auto lowest_step(const OnCurve<Z>& wheel, double radius, const SeenLine<T>& seen, double sine, double cosine,
                  const OnCurve<double>& rail) {
-    using T = decltype(Z{} * P{});
-    const auto& [forth, axle, upward] = pose.rotation;
     Z r = wheel.point.z + radius;
     LowestStep<T> at;
-    at.forward = {forth.y * cosine + upward.y * sine, forth.z * cosine + upward.z * sine};
-    at.up = {forth.y * sine - upward.y * cosine, forth.z * sine - upward.z * cosine};
-    at.away = {pose.origin.y + r * at.up.y + axle.y * wheel.point.y - rail.point.y,
-               pose.origin.z + r * at.up.z + axle.z * wheel.point.y - rail.point.z};
+    at.forward = seen.forward(sine, cosine), at.up = seen.up(sine, cosine);
+    at.away = seen.place(wheel.point, radius, at.up) - rail.point;
     at.beside = dot(rail.tangent, at.away), at.height = cross(rail.tangent, at.away);
     at.second = 1.0 - dot(rail.bend, at.away);
     at.level = cross(rail.tangent, at.forward);
@@ -84,8 +80,9 @@ inline void next_turn(int turn, double at, double last, double change, double ch
 // Beside the ends the penetration is minus the distance from them, the smallest that is found.
 inline Lowest lowest_at_foot(const Shape& rail, double radius, const Pose<double>& pose, const OnCurve<double>& line,
                              double x, long sample) {
-    const auto& [origin, m] = pose;
     const auto& [z, t, k] = line;
+    auto seen = seen_line(z, radius, pose);
+    const auto& [origin, forth, axle, high, plan, ahead, own, along] = seen;
     double r = z.z + radius, at = rail.samples(sample), bottom = x;
     long j = piece(rail, at);
     bool inside = true;
@@ -94,8 +91,8 @@ inline Lowest lowest_at_foot(const Shape& rail, double radius, const Pose<double
     double sine = std::sin(x / radius), cosine = std::cos(x / radius), at_sine = 0.0, change = 0.0;
     found.ended = false;
     for (int turn = 0; turn < TURNS; ++turn) {
-        Point<double> q{origin.y + m.x.y * r * sine + m.y.y * z.y - m.z.y * r * cosine,
-                        origin.z + m.x.z * r * sine + m.y.z * z.y - m.z.z * r * cosine};
+        Point<double> q{origin.y + forth.y * r * sine + axle.y * z.y - high.y * r * cosine,
+                        origin.z + forth.z * r * sine + axle.z * z.y - high.z * r * cosine};
         auto closest = foot_from(rail, q, at, j);
         at = closest.s, j = closest.piece, inside = closest.inside;
         double height = closest.distance;
@@ -106,13 +103,14 @@ inline Lowest lowest_at_foot(const Shape& rail, double radius, const Pose<double
             if (!inside) height = std::hypot(away.y, away.z);
             if (height != 0.0) n = {away.y / height, away.z / height};
         }
-        double ty = m.x.y * t.z * sine + m.y.y * t.y - m.z.y * t.z * cosine;
-        double tz = m.x.z * t.z * sine + m.y.z * t.y - m.z.z * t.z * cosine;
+        double ty = forth.y * t.z * sine + axle.y * t.y - high.y * t.z * cosine;
+        double tz = forth.z * t.z * sine + axle.z * t.y - high.z * t.z * cosine;
+        if (plan != 0.0) ty -= seen.bent(t, sine, cosine);
         found.depth = -height, found.slope = -(ty * n.y + tz * n.z), found.at = at, found.piece = j,
         found.held = closest.held;
         if (!inside && found.depth > beside.depth)
             beside.depth = found.depth, beside.slope = found.slope, beside.x = bottom, beside.at = at, beside.piece = j;
-        double forward = n.y * m.x.y + n.z * m.x.z, upward = n.y * m.z.y + n.z * m.z.z;
+        double forward = n.y * forth.y + n.z * forth.z, upward = n.y * high.y + n.z * high.z;
         if (upward == 0.0) break;
         double before = bottom;
         bottom = -radius * std::atan(forward / upward);
@@ -134,20 +132,19 @@ inline Lowest lowest_at_foot(const Shape& rail, double radius, const Pose<double
 inline Lowest lowest_on(const Shape& rail, double radius, const Pose<double>& pose, const OnCurve<double>& line,
                         double sine, double cosine, long sample, double at, const Pieces& pieces = {}) {
     double r = line.point.z + radius;
+    auto seen = seen_line(line.point, radius, pose);
     long j = std::clamp(piece(rail, at), pieces.first, pieces.last);
     for (int n = 0; n < ITERATIONS; ++n) {
         auto on = local(rail, at, j);
-        auto own = lowest_step(line, radius, pose, sine, cosine, on);
+        auto own = lowest_step(line, radius, seen, sine, cosine, on);
         double step = own.step, turn = own.turn;
         double size = std::max(std::abs(step) / (2.0 * SPACING), std::abs(turn) / LARGE);
         if (!(own.second > 0.0 && 0.0 > own.determinant && size < FARTHEST)) break;
         if (size > 1.0)  // on steep flanges of wheels that yaw the closest point runs far along with the angle
             step = step / size, turn = turn / size;
         if (std::abs(step) < SMALL_STEP && radius * std::abs(turn) < LOWEST) {
-            const auto& axle = pose.rotation.y;
-            double ty = line.tangent.z * own.up.y + line.tangent.y * axle.y;
-            double tz = line.tangent.z * own.up.z + line.tangent.y * axle.z;
-            double slope = ty * on.tangent.z - tz * on.tangent.y + step * (ty * on.bend.z - tz * on.bend.y);
+            auto t = seen.change(line.tangent, own.up, sine, cosine);
+            double slope = t.y * on.tangent.z - t.z * on.tangent.y + step * (t.y * on.bend.z - t.z * on.bend.y);
             // The last step takes the slopes of the height to zero, and raises the point by half of their prediction.
             double height = own.height + 0.5 * (turn * r * own.level + step * cross(on.bend, own.away));
             return {-height, slope, radius * (std::atan(sine / cosine) + turn), sample, at + step, j};
@@ -184,10 +181,10 @@ struct Side {
 // As `lowest`, within a corner of the rail that is near: the lower one of its sides counts. found: of any side.
 inline Lowest lowest_at_corner(const Shape& rail, double radius, const Pose<double>& pose, const OnCurve<double>& line,
                                const Lowest& found) {
-    const auto& [origin, m] = pose;
     double corner = corner_near(rail, found.at, found.depth);
     if (std::isnan(corner)) return found;
-    double r = line.point.z + radius, away = std::abs(found.at - corner);
+    auto seen = seen_line(line.point, radius, pose);
+    double away = std::abs(found.at - corner);
     long first = piece(rail, corner);
     Side sides[] = {{rail, {0, first - 1}, corner - away}, {rail, {first, rail.middles.size() - 1}, corner + away}};
     Lowest own[2];
@@ -200,9 +197,8 @@ inline Lowest lowest_at_corner(const Shape& rail, double radius, const Pose<doub
     Point<double> forward, up;
     auto difference = [&](double x) {  // of the depths below both sides
         sine = std::sin(x / radius), cosine = std::cos(x / radius);
-        forward = {m.x.y * cosine + m.z.y * sine, m.x.z * cosine + m.z.z * sine};
-        up = {m.x.y * sine - m.z.y * cosine, m.x.z * sine - m.z.z * cosine};
-        Point<double> q{origin.y + r * up.y + m.y.y * line.point.y, origin.z + r * up.z + m.y.z * line.point.y};
+        forward = seen.forward(sine, cosine), up = seen.up(sine, cosine);
+        auto q = seen.place(line.point, radius, up);
         return sides[0].depth(q) - sides[1].depth(q);
     };
     double low = own[0].x, high = own[1].x, below = difference(low), above = difference(high);
@@ -223,10 +219,10 @@ inline Lowest lowest_at_corner(const Shape& rail, double radius, const Pose<doub
             side = -1;
         }
     }
-    Point<double> t{line.tangent.z * up.y + line.tangent.y * m.y.y, line.tangent.z * up.z + line.tangent.y * m.y.z};
+    auto t = seen.change(line.tangent, up, sine, cosine);
     const auto &one = sides[0].on.tangent, &other = sides[1].on.tangent;
     double a = cross(one, forward), b = cross(other, forward);
-    Point<double> q{origin.y + r * up.y + m.y.y * line.point.y, origin.z + r * up.z + m.y.z * line.point.y};
+    auto q = seen.place(line.point, radius, up);
     return {-newton_step(sides[0].on, q).across,
             (b * cross(one, t) - a * cross(other, t)) / (a - b),
             x,
@@ -243,10 +239,9 @@ inline Lowest lowest_at_corner(const Shape& rail, double radius, const Pose<doub
 // of the rail's nearest sample, negative without.
 inline Lowest lowest(const Shape& rail, double radius, const Pose<double>& pose, const OnCurve<double>& line, double x,
                      long sample) {
-    const auto& [origin, m] = pose;
-    double r = line.point.z + radius, sine = std::sin(x / radius), cosine = std::cos(x / radius);
-    Point<double> up{m.x.y * sine - m.z.y * cosine, m.x.z * sine - m.z.z * cosine};
-    Point<double> q{origin.y + r * up.y + m.y.y * line.point.y, origin.z + r * up.z + m.y.z * line.point.y};
+    auto seen = seen_line(line.point, radius, pose);
+    double sine = std::sin(x / radius), cosine = std::cos(x / radius);
+    auto q = seen.place(line.point, radius, seen.up(sine, cosine));
     sample = sample_from(rail, q, sample);
     auto found = lowest_on(rail, radius, pose, line, sine, cosine, sample, rail.samples(sample));
     if (std::isnan(found.depth)) found = lowest_at_foot(rail, radius, pose, line, x, sample);

@@ -27,14 +27,15 @@ struct SurfaceData {
 struct Motion {
     Numbers origin;             // (3,) m
     Rows rotation;              // (3, 3)
+    double plan = 0.0;          // 1/m, of a rail, see `Pose`
     VelocityField wheel, rail;  // v + w x (X - reference)
     double speed = 0.0;         // m/s; 0 without friction
 
-    auto fields() { return std::tie(origin, rotation, wheel, rail, speed); }
+    auto fields() { return std::tie(origin, rotation, plan, wheel, rail, speed); }
     bool fits() const {
         return origin.size() == 3 && rotation.shape == std::array<long, 2>{3, 3} && wheel.fits() && rail.fits();
     }
-    Pose<double> pose() const { return pose_of(origin, rotation); }
+    Pose<double> pose() const { return pose_of(origin, rotation, plan); }
     RigidMotion<double> velocities() const { return {wheel.twist(), rail.twist()}; }
 };
 
@@ -135,7 +136,7 @@ auto penetration_at(Walk& walk, const Pose<P>& pose, double s, const X& x) {
                              T(s), -1};
     }
     walk.to(s);
-    Projection<T> at = project<T>(own.rail, on_circle(walk.at, own.radius, pose, x), walk.sample);
+    Projection<T> at = project<T>(own.rail, seen_on_circle(walk.at, own.radius, pose, x), walk.sample);
     walk.sample = at.sample;
     return at;
 }
@@ -169,13 +170,13 @@ inline std::tuple<Penetration, Array<double, 1>, Array<double, 1>> crests(const 
         }
         auto line = local(surface.wheel, s(i));
         double r = line.point.z + radius;
-        if (pose.rotation.x.y != 0.0) {
+        if (pose.rotation.x.y != 0.0 || pose.plan != 0.0) {
             bool next = i > 0 && std::abs(s(i) - s(i - 1)) < NEXT;
             auto at = lowest(surface.rail, radius, pose, line, next ? x(i - 1) : 0.0, next ? sample : -1);
             x(i) = at.x, sample = at.sample;
             if (!at.ended) again.push_back(i);
         }
-        bend(i) = std::max(r * line.tangent.y, 0.05 * r) / (radius * radius);
+        bend(i) = std::max(r * level_share(line.tangent, r, pose.plan), 0.05 * r) / (radius * radius);
     }
     // from the other side: on a steep flange a search from a line whose own one has not ended may not end, either
     for (; !again.empty(); again.pop_back()) {
@@ -220,8 +221,9 @@ inline std::tuple<Array<double, 2>, Array<double, 2>> touching_changes(const Sur
             continue;
         }
         double angle = x(i) / surface.radius;
-        auto at = lowest_step(local(surface.wheel, s(i)), surface.radius, moving, std::sin(angle), std::cos(angle),
-                              local(surface.rail, feet(i)));
+        auto line = local(surface.wheel, s(i));
+        auto at = lowest_step(line, surface.radius, seen_line(line.point, surface.radius, moving), std::sin(angle),
+                              std::cos(angle), local(surface.rail, feet(i)));
         for (int k = 0; k < POSE; ++k) crest(i, k) = surface.radius * at.turn.d[k], foot(i, k) = at.step.d[k];
     }
     return {crest, foot};

@@ -38,6 +38,79 @@ auto on_circle(const OnCurve<Z>& at, double radius, const Pose<P>& pose, const X
                     inward * forth - at.tangent.z * axle - low * up};
 }
 
+// A line of a wheel in a rail's cross-section: its point at an angle along the rolling circle is origin + r (forth sin
+// - upward cos) + axle y, y and r its place across and its distance from the axle.
+//
+// Along a rail with the curvature k in plan y is less by k x^2 / 2. With x = a + r sin, a = o_x + y e_x for the axle's
+// direction e, that is k (a^2 / 2 + a r sin + r^2 (1 - cos)) up to the fourth order of the angle: a circle again.
+template <class T>
+struct SeenLine {
+    Point<T> origin, forth, axle, upward;
+    double plan;
+    T ahead{}, r{}, along_axle{};  // a, r, and the axle's component along the rail
+
+    // Directions of the circle at an angle: along it, and away from the axle.
+    Point<T> forward(double sine, double cosine) const {
+        return {forth.y * cosine + upward.y * sine, forth.z * cosine + upward.z * sine};
+    }
+    Point<T> up(double sine, double cosine) const {
+        return {forth.y * sine - upward.y * cosine, forth.z * sine - upward.z * cosine};
+    }
+    // The point, for `up` there.
+    template <class Z>
+    Point<T> place(const Point<Z>& point, double radius, const Point<T>& up) const {
+        Z r = point.z + radius;
+        return {origin.y + r * up.y + axle.y * point.y, origin.z + r * up.z + axle.z * point.y};
+    }
+    // Its change along the profile with a tangent, for `up` there.
+    template <class Z>
+    Point<T> change(const Point<Z>& tangent, const Point<T>& up, double sine, double cosine) const {
+        Point<T> along{tangent.z * up.y + tangent.y * axle.y, tangent.z * up.z + tangent.y * axle.z};
+        if (plan != 0.0) along.y = along.y - bent(tangent, sine, cosine);
+        return along;
+    }
+    // What the rail's curvature adds to it, beyond that in `up`.
+    template <class Z>
+    T bent(const Point<Z>& tangent, double sine, double cosine) const {
+        return plan * (tangent.z * r * (2.0 - cosine) + tangent.y * along_axle * (ahead + r * sine));
+    }
+};
+
+// The line through a point of the wheel's profile.
+template <class Z, class P>
+auto seen_line(const Point<Z>& point, double radius, const Pose<P>& pose) {
+    using T = decltype(Z{} * P{});
+    const auto& [origin, m, plan] = pose;
+    SeenLine<T> line{{origin.y, origin.z}, {m.x.y, m.x.z}, {m.y.y, m.y.z}, {m.z.y, m.z.z}, plan};
+    if (plan != 0.0) {
+        line.r = point.z + radius, line.along_axle = m.y.x, line.ahead = origin.x + point.y * m.y.x;
+        line.origin.y = line.origin.y - plan * (0.5 * line.ahead * line.ahead + line.r * line.r);
+        line.forth.y = line.forth.y - plan * line.ahead, line.upward.y = line.upward.y - plan * line.r;
+    }
+    return line;
+}
+
+// As `on_circle`, the point as seen in the rail's cross-section, see `SeenLine`.
+template <class Z, class P, class X>
+auto seen_on_circle(const OnCurve<Z>& at, double radius, const Pose<P>& pose, const X& x) {
+    using std::sin, std::cos;
+    auto place = on_circle(at, radius, pose, x);
+    if (pose.plan != 0.0) {
+        auto r = at.point.z + radius;
+        auto ahead = pose.origin.x + at.point.y * pose.rotation.y.x;
+        X sine = sin(x / radius), cosine = cos(x / radius);
+        place.point.y -= pose.plan * (0.5 * ahead * ahead + ahead * (r * sine) + r * r * (1.0 - cosine));
+    }
+    return place;
+}
+
+// Relative curvature along the rail of a line of the wheel, times its distance r m from the axle: the component of its
+// normal that is level along the rail, plus what the rail's curvature in plan adds on a slope.
+template <class Z>
+Z level_share(const Point<Z>& tangent, const Z& r, double plan) {
+    return plan != 0.0 ? tangent.y - plan * r * tangent.z : tangent.y;
+}
+
 // Write a point and its axes, longitudinal, lateral and outward, into row i of (n, 3) m and (n, 3, 3).
 inline void write_frame(const Place<double>& at, const View<double, 2>& points, const View<double, 3>& axes, long i) {
     auto store = [](const View<double, 1>& to, const Vec<double>& a) { to(0) = a.x, to(1) = a.y, to(2) = a.z; };

@@ -28,21 +28,22 @@ struct WheelPairs {
     Array<double, 3> rotation;  // (w, 3, 3)
     Array<double, 3> motion;    // (w, 6, 3), in the order of `RigidVelocities`
     Array<double, 2> centre;    // (w, 3) m
+    Array<double, 1> plan;      // (w,) 1/m, curvatures of the rails
 
     WheelPairs() = default;
-    explicit WheelPairs(long w) : origin(w, 3), rotation(w, 3, 3), motion(w, 6, 3), centre(w, 3) {}
-    auto fields() { return std::tie(origin, rotation, motion, centre); }
+    explicit WheelPairs(long w) : origin(w, 3), rotation(w, 3, 3), motion(w, 6, 3), centre(w, 3), plan(w) {}
+    auto fields() { return std::tie(origin, rotation, motion, centre, plan); }
     bool fits() const {
         long w = origin.size();
         return origin.shape[1] == 3 && rotation.shape == std::array<long, 3>{w, 3, 3} &&
-               motion.shape == std::array<long, 3>{w, 6, 3} && centre.shape == origin.shape;
+               motion.shape == std::array<long, 3>{w, 6, 3} && centre.shape == origin.shape && plan.size() == w;
     }
     long size() const { return origin.size(); }
     LeftPair<double> operator[](long i) const {
         Blocks all = motion;
         Rows turned = Blocks(rotation)[i], rows = all[i];
         auto row = [&](long k) { return vec_of(rows[k]); };
-        return {pose_of(Rows(origin)[i], turned),
+        return {pose_of(Rows(origin)[i], turned, plan(i)),
                 {{row(0), row(1), row(2)}, {row(3), row(4), row(5)}},
                 vec_of(Rows(centre)[i])};
     }
@@ -50,6 +51,7 @@ struct WheelPairs {
         auto put = [](const View<double, 1>& to, const Vec<double>& a) { to(0) = a.x, to(1) = a.y, to(2) = a.z; };
         const auto& [x, y, z] = pair.pose.rotation;
         put(origin[i], pair.pose.origin), put(centre[i], pair.centre);
+        plan(i) = pair.pose.plan;
         put(rotation[i][0], {x.x, y.x, z.x}), put(rotation[i][1], {x.y, y.y, z.y}),
             put(rotation[i][2], {x.z, y.z, z.z});
         long k = 0;
@@ -89,6 +91,7 @@ LeftPair<T> left_pair(const std::array<T, OWN>& own, const Dimensions& dimension
                          pair.centre};
     // The rail is at rest in inertial space: in the moving frame it moves backwards and rotates against the frame.
     pair.motion.rail = {{-own[9], none, none}, {-own[10], -own[11], -own[12]}, {none, -rail_y, -rail_z}};
+    pair.pose.plan = plan_curvature(pair.motion.rail);
     return pair;
 }
 
@@ -117,7 +120,7 @@ inline void store_by_state(const Rows& tangent, const Numbers& wrench, const Num
                            bool mirror, const View<double, 2>& result) {
     using T = Dual<COORDINATES>;
     auto pair = left_pair(left_state<T>(values, mirror), {wheel_y, 0.0, 0.0});
-    const auto& [origin, rotation] = pair.pose;
+    const auto& [origin, rotation, plan] = pair.pose;
     auto turned = small_rotation(value(rotation), rotation);
     const Vec<T>* parts[] = {&origin, &turned, &pair.motion.wheel.velocity, &pair.motion.wheel.rotation};
     for (int r = 0; r < 6; ++r) {

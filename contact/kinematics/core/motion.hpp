@@ -26,30 +26,33 @@ Vec<T> vec_as(const Vec<U>& a) {
     return {T(a.x), T(a.y), T(a.z)};
 }
 
-// Position m and axes of a body's frame, the columns of its rotation.
+// Position m and axes of a wheel's frame, the columns of its rotation, in that of a rail, whose profile lies at
+// y = plan x^2 / 2 along the track: plan is its curvature in plan, 1/m, positive to the left.
 template <class T>
 struct Pose {
     Vec<T> origin;
     Matrix<T> rotation;
+    double plan = 0.0;
 };
 
-inline Pose<double> pose_of(const Numbers& origin, const Rows& rotation) {
-    return {vec_of(origin), matrix_of(rotation)};
+inline Pose<double> pose_of(const Numbers& origin, const Rows& rotation, double plan) {
+    return {vec_of(origin), matrix_of(rotation), plan};
 }
 template <class T>
 Pose<double> value(const Pose<T>& pose) {
-    return {value(pose.origin), value(pose.rotation)};
+    return {value(pose.origin), value(pose.rotation), pose.plan};
 }
 
 // A pose that varies by the six rigid motions of a body about its origin, in the order of `ContactResult.tangent`:
 // translations along the axes of space, rotations about them; variables from `first` on.
 template <class T>
 Pose<T> varied(const Pose<double>& pose, int first = 0) {
-    const auto& [o, m] = pose;
+    const auto& [o, m, plan] = pose;
     Vec<T> turn{variable<T>(0.0, first + 3), variable<T>(0.0, first + 4), variable<T>(0.0, first + 5)};
     auto turned = [&](const Vec<double>& axis) { return axis + cross(turn, axis); };
     return {{variable<T>(o.x, first), variable<T>(o.y, first + 1), variable<T>(o.z, first + 2)},
-            {turned(m.x), turned(m.y), turned(m.z)}};
+            {turned(m.x), turned(m.y), turned(m.z)},
+            plan};
 }
 
 // Rotation vector rad, in the axes of space, from axes to infinitesimally different ones.
@@ -68,6 +71,14 @@ template <class T>
 struct RigidMotion {
     Twist<T> wheel, rail;
 };
+
+// Curvature 1/m in plan of a rail that is at rest in space, from its velocities in a frame that moves along it; 0 at
+// rest.
+template <class T>
+double plan_curvature(const Twist<T>& rail) {
+    auto back = value(rail.velocity) - cross(value(rail.rotation), value(rail.reference));  // at the rail
+    return back.x != 0.0 ? value(rail.rotation.z) / back.x : 0.0;
+}
 
 // Motions that vary by the twelve changes of `wheelrail.contact.kinematics.sensitivity`.
 // Six are those of the pose, with which the wheel's reference point moves, three each of the wheel's velocity and

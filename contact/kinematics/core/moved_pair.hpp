@@ -53,7 +53,7 @@ MovedPair<T> moved_pair(const MovedStates& states, long i) {
     const auto& [velocity, rotation, reference] = rigid.motion.rail;
     auto slow = rigid.motion.wheel.rotation - own[8] * axes.y;
     auto& pair = moved.pair;
-    pair.pose = {seen(rigid.centre + moved.arm), relative(rail, wheel)};
+    pair.pose = {seen(rigid.centre + moved.arm), relative(rail, wheel), rigid.pose.plan};
     pair.motion.wheel = {back(rail, rigid.motion.wheel.velocity + cross(slow, moved.arm)),
                          back(rail, slow + own[8] * wheel.y), pair.pose.origin};
     pair.motion.rail = {back(rail, velocity), back(rail, rotation), seen(reference)};
@@ -124,7 +124,7 @@ inline Array<double, 3> moved_slopes(const MovedStates& states, const Blocks& ta
     Array<double, 3> slopes(states.size(), 6, MOVED);
     for (long i = 0; i < states.size(); ++i) {
         auto moved = moved_pair<T>(states, i);
-        const auto& [origin, rotation] = moved.pair.pose;
+        const auto& [origin, rotation, plan] = moved.pair.pose;
         auto turned = small_rotation(value(rotation), rotation);
         const auto& velocity = moved.pair.motion.wheel;
         const Vec<T>* parts[] = {&origin, &turned, &velocity.velocity, &velocity.rotation};

@@ -82,7 +82,7 @@ def test_arrays_that_do_not_fit_are_refused() -> None:
     with pytest.raises(ValueError, match="samples"):
         core.local_maxima(WHEEL.shape, shape, RADIUS, *place, lines.s, wrong)
     with pytest.raises(ValueError, match="pose"):
-        core.lines_to_scan(lines, RADIUS, place[0][:2], place[1])
+        core.lines_to_scan(lines, RADIUS, place[0][:2], *place[1:])
     with pytest.raises(ValueError, match="as long as s"):
         core.penetration(surface_data(PROFILES), *place, np.zeros(3), np.zeros(2))
 

@@ -23,7 +23,7 @@ inline Owned<Motion> motion_of(const LeftPair<double>& pair) {
     const auto& [wheel, rail] = pair.motion;
     auto v = vector(wheel.velocity), w = vector(wheel.rotation), at = vector(wheel.reference);
     auto u = vector(rail.velocity), r = vector(rail.rotation), from = vector(rail.reference);
-    return {{origin, rotation, {v, w, at}, {u, r, from}, 1.0},
+    return {{origin, rotation, pair.pose.plan, {v, w, at}, {u, r, from}, 1.0},
             {origin.owner, rotation.owner, v.owner, w.owner, at.owner, u.owner, r.owner, from.owner}};
 }
 

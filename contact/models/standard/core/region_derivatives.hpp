@@ -31,10 +31,9 @@ LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const OnCurv
     using std::sqrt;
     double sine = std::sin(known.x / pair.radius), cosine = std::cos(known.x / pair.radius);
     auto rail = local(pair.rail, known.at, known.piece);
-    auto step = lowest_step(line, pair.radius, pose, sine, cosine, rail);
-    auto along = [&](const Point<T>& up) {  // change of the place with s
-        return line.tangent.z * up + line.tangent.y * Point<T>{pose.rotation.y.y, pose.rotation.y.z};
-    };
+    auto seen = seen_line(line.point, pair.radius, pose);
+    auto step = lowest_step(line, pair.radius, seen, sine, cosine, rail);
+    auto along = [&](const Point<T>& up) { return seen.change(line.tangent, up, sine, cosine); };
     auto by_turn = [&](const T& turn, const T& depth, const T& slope) {
         return LineDepth<T>{depth, slope, known.x + pair.radius * turn, line};
     };
@@ -52,7 +51,7 @@ LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const OnCurv
         return by_turn(turn, depth, dot(along(up + turn * forward), there) / depth);
     }
     auto other = local(pair.rail, known.across);
-    auto across = lowest_step(line, pair.radius, pose, sine, cosine, other);
+    auto across = lowest_step(line, pair.radius, seen, sine, cosine, other);
     T turn = (step.height - across.height) / (value(r * (across.level - step.level)));
     auto t = along(up + turn * forward), ahead = forward - turn * up;
     auto tangent = [&](const OnCurve<double>& on, const LowestStep<T>& own) {
@@ -181,11 +180,11 @@ class VariedRegions {
             auto line = line_at(pose, s, found.strips(i, 1));
             auto depth = covered<ByPose>(line.depth - level, valley, distance(s, top[k].s), merge);
             const auto& profile = line.profile;
-            auto cosine = value(profile.tangent.y) > MIN_SLOPE_COSINE ? profile.tangent.y : ByPose(MIN_SLOPE_COSINE);
+            auto r = profile.point.z + pair.radius, share = level_share(profile.tangent, r, pose.plan);
             zones.contact(i) = contact, zones.s(i) = s, zones.x(i) = line.x;
             zones.width(i) = double(direction) * outward * WIDTHS[q];
             zones.penetration(i) = value(depth) > MIN_PENETRATION ? depth : ByPose(MIN_PENETRATION);
-            zones.radius(i) = (profile.point.z + pair.radius) / cosine;
+            zones.radius(i) = r / (value(share) > MIN_SLOPE_COSINE ? share : ByPose(MIN_SLOPE_COSINE));
         }
     }
 };

@@ -63,7 +63,7 @@ def levels_of(result: ContactResult) -> tuple[int, ...]:
 def across(problem: LatticeProblem) -> tuple[float, Array]:
     """Strips across the penetration, and their derivative by the pose."""
     at, strips = problem.motion, problem.lattice
-    lattice = problem.surface, at.origin, at.rotation, NONE, strips.middle, strips.width
+    lattice = problem.surface, at.origin, at.rotation, at.plan, NONE, strips.middle, strips.width
     counted = *lattice[:-1], strips.width * problem.tables.slenderness
     number, slopes = penetrated_width(*counted, *maxima(*lattice, problem.depth), True)
     return number, slopes[:6]
@@ -172,7 +172,7 @@ def strips_across(bodies: Bodies, depth: float) -> tuple[float, float]:
     (solution,) = result.warm_start.solutions
     lift = BulkDisplacement(problem, solution).lift
     at, strips = problem.motion, problem.lattice
-    surfaces, lattice = (problem.surface, at.origin, at.rotation, lift), (strips.middle, strips.width)
+    surfaces, lattice = (problem.surface, at.origin, at.rotation, at.plan, lift), (strips.middle, strips.width)
     pieces = maxima(*surfaces, *lattice, problem.depth - np.interp(strips.middle, *lift))
     return penetrated_width(*surfaces, *lattice, *pieces, False)[0], float(np.linalg.norm(result.force))
 

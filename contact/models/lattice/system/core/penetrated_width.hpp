@@ -134,11 +134,11 @@ struct LineChange {
         if (surface.revolves) {
             auto wheel = local(surface.wheel, line);
             double angle = x / surface.radius;
-            T turn =
-                lowest_step(wheel, surface.radius, moving, std::sin(angle), std::cos(angle), local(surface.rail, foot))
-                    .turn;
+            T turn = lowest_step(wheel, surface.radius, seen_line(wheel.point, surface.radius, moving),
+                                 std::sin(angle), std::cos(angle), local(surface.rail, foot))
+                         .turn;
             if (std::abs(turn.v) < LOWEST) along += surface.radius * (turn - turn.v);
-            depth = project<T>(surface.rail, on_circle(wheel, surface.radius, moving, along), -1).depth;
+            depth = project<T>(surface.rail, seen_on_circle(wheel, surface.radius, moving, along), -1).depth;
         } else {
             T dx = along - moving.origin.x, ds = line - moving.origin.y;
             depth = -moving.origin.z - surface.upper(0) * dx * dx - surface.upper(1) * ds * ds -
