@@ -35,10 +35,11 @@ void bind_surfaces(nb::module_& m) {
                            "Surfaces of a pair: whether the upper one is a wheel's profile revolved about y, on an "
                            "extruded rail, else quadrics; profiles wheel and rail; radius m of the wheel; coefficients "
                            "upper and lower (2,) 1/m of quadrics along x and across.");
-    structure<Motion>(m, "Motion", {"origin", "rotation", "plan", "wheel", "rail", "speed"},
-                      "Pose of the upper body, origin (3,) m and rotation (3, 3), on a rail with the curvature plan 1/m in "
-                      "plan, velocity fields of both bodies, and "
-                      "the rolling speed m/s; 0 without friction.");
+    structure<Motion>(
+        m, "Motion", {"origin", "rotation", "plan", "wheel", "rail", "speed"},
+        "Pose of the upper body, origin (3,) m and rotation (3, 3), on a rail with the curvature plan 1/m in "
+        "plan, velocity fields of both bodies, and "
+        "the rolling speed m/s; 0 without friction.");
     structure<Penetration>(m, "Penetration", {"depth", "slope", "foot"},
                            "Penetration at n points: depth (n,) m, -inf beyond the ends of the rail; its derivative "
                            "slope (n,) along x; foot (n,) m, arc length of the closest points on the lower body.");
@@ -71,8 +72,8 @@ void bind_surfaces(nb::module_& m) {
         "body: lines s and places x (n,) m of the largest penetration on them, feet (n,) m of the closest points.");
     m.def(
         "wheel_points",
-        [](const Shape& wheel, double radius, const Numbers& origin, const Rows& rotation, double plan, const Numbers& s,
-           const Numbers& x) {
+        [](const Shape& wheel, double radius, const Numbers& origin, const Rows& rotation, double plan,
+           const Numbers& s, const Numbers& x) {
             require_places(s, x);
             return wheel_points(wheel, radius, pose(origin, rotation, plan), s, x);
         },
@@ -173,8 +174,8 @@ void bind_searches(nb::module_& m) {
         "places show that they do not; radius m.");
     m.def(
         "scan",
-        [](const Shape& rail, const Lines& lines, double radius, const Numbers& origin, const Rows& rotation, double plan,
-           const Part& part) {
+        [](const Shape& rail, const Lines& lines, double radius, const Numbers& origin, const Rows& rotation,
+           double plan, const Part& part) {
             require_lines(rail, lines, part);
             return scan(rail, lines, radius, pose(origin, rotation, plan), part);
         },
@@ -184,8 +185,8 @@ void bind_searches(nb::module_& m) {
         "out.");
     m.def(
         "local_maxima",
-        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation, double plan,
-           const Numbers& lines, const Scan& samples) {
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+           double plan, const Numbers& lines, const Scan& samples) {
             require(samples.depth.size() == lines.size() && samples.of(rail),
                     "samples: must be those of lines and rail");
             auto found = local_maxima({wheel, rail, radius}, pose(origin, rotation, plan), lines, samples);
@@ -199,28 +200,29 @@ void bind_searches(nb::module_& m) {
         "penetration and x, m. A gap between two maxima has the penetration 0.");
     m.def(
         "nearest_place",
-        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation, double plan,
-           const Lines& lines, const Part& part, const Scan& samples) {
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+           double plan, const Lines& lines, const Part& part, const Scan& samples) {
             require_scan(rail, lines, part, samples);
             return numbers(nearest_place({wheel, rail, radius}, pose(origin, rotation, plan), lines, part, samples));
         },
-        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "lines"_a, "part"_a, "samples"_a, Unlocked(),
+        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "lines"_a, "part"_a, "samples"_a,
+        Unlocked(),
         "Position s m on the wheel's profile, penetration and x m where the penetration is largest, at a pose (3,) m "
         "and (3, 3); separated surfaces have minus their gap. part: first of the lines that may overlap the rail, and "
         "one past the last; samples: their scan.");
     m.def(
         "overlap",
-        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation, double plan,
-           const Lines& lines, const std::string& wheel_name, const std::string& rail_name) {
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+           double plan, const Lines& lines, const std::string& wheel_name, const std::string& rail_name) {
             require(lines.of(rail), "lines: must be those of the rail");
             return overlap({wheel, rail, radius}, pose(origin, rotation, plan), lines, wheel_name, rail_name);
         },
-        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "lines"_a, "wheel_name"_a, "rail_name"_a, Unlocked(),
-        "Message on interpenetration beyond the solved regions; others as for `wheel_regions`.");
+        "wheel"_a, "rail"_a, "radius"_a, "origin"_a, "rotation"_a, "plan"_a, "lines"_a, "wheel_name"_a, "rail_name"_a,
+        Unlocked(), "Message on interpenetration beyond the solved regions; others as for `wheel_regions`.");
     m.def(
         "wheel_regions",
-        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation, double plan,
-           const Lines& lines, double merge) {
+        [](const Shape& wheel, const Shape& rail, double radius, const Numbers& origin, const Rows& rotation,
+           double plan, const Lines& lines, double merge) {
             require(lines.of(rail), "lines: must be those of the rail");
             return wheel_regions({wheel, rail, radius}, pose(origin, rotation, plan), lines, merge);
         },

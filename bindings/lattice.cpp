@@ -139,8 +139,8 @@ LiftedPenetration lifted(const SurfaceData& surface, Numbers origin, Rows rotati
 void bind_width(nb::module_& m) {
     m.def(
         "maxima",
-        [](const SurfaceData& surface, Numbers origin, Rows rotation, double plan, Rows lift, Numbers middle, Numbers width,
-           Numbers depth) {
+        [](const SurfaceData& surface, Numbers origin, Rows rotation, double plan, Rows lift, Numbers middle,
+           Numbers width, Numbers depth) {
             require(width.size() == middle.size() && depth.size() == middle.size(), "middle, width, depth: (K,)");
             auto found = maxima(lifted(surface, origin, rotation, plan, lift), middle, width, depth);
             Array<double, 2> bounds(long(found.size()), 2);
@@ -157,8 +157,8 @@ void bind_width(nb::module_& m) {
         "the lift.");
     m.def(
         "penetrated_width",
-        [](const SurfaceData& surface, Numbers origin, Rows rotation, double plan, Rows lift, Numbers middle, Numbers width,
-           Rows bounds, View<const bool, 1> continues, bool slopes) {
+        [](const SurfaceData& surface, Numbers origin, Rows rotation, double plan, Rows lift, Numbers middle,
+           Numbers width, Rows bounds, View<const bool, 1> continues, bool slopes) {
             require(width.size() == middle.size() && width.size() > 0, "middle, width: must be (K,)");
             require(bounds.shape == std::array{continues.size(), 2L}, "bounds, continues: must be (P, 2) and (P,)");
             std::vector<Piece> pieces;
@@ -166,8 +166,8 @@ void bind_width(nb::module_& m) {
             for (long p = 0; p < bounds.size(); ++p) pieces.push_back({bounds(p, 0), bounds(p, 1), continues(p)});
             return penetrated_width(lifted(surface, origin, rotation, plan, lift), middle, width, pieces, slopes);
         },
-        "surface"_a, "origin"_a, "rotation"_a, "plan"_a, "lift"_a, "middle"_a, "width"_a, "bounds"_a, "continues"_a, "slopes"_a,
-        Unlocked(),
+        "surface"_a, "origin"_a, "rotation"_a, "plan"_a, "lift"_a, "middle"_a, "width"_a, "bounds"_a, "continues"_a,
+        "slopes"_a, Unlocked(),
         "Number of strips across the penetration, and its derivative (6 + R,) by pose and lift if slopes, else zeros: "
         "surface to width as for `maxima`, whose results are bounds (P, 2) m and continues (P,).");
 }

@@ -6,7 +6,7 @@ closest point of a plane curve; no search tree is needed.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -97,8 +97,11 @@ class ProfilePair:
         if unsolved := self.rigid.unsolved(pose, self.arc[0], self.arc[-1]):
             raise OutsideSurface(unsolved)
         point = pose.origin + self.surface[0] @ pose.rotation.T
+        seen = point[:, 1:]  # in the section of a rail that is curved in plan
+        if pose.plan:
+            seen = seen - np.stack([0.5 * pose.plan * point[:, 0] ** 2, np.zeros(len(point))], axis=1)
         # Points below the rail's top line are inside the rail; outside its lateral range there is no contact.
-        depth = np.interp(point[:, 1], *self.skyline, left=-np.inf, right=-np.inf) - point[:, 2]
+        depth = np.interp(seen[:, 0], *self.skyline, left=-np.inf, right=-np.inf) - seen[:, 1]
         near = depth > -CHORD
         if not near.any():
             return None, self._separated(pose)
@@ -117,12 +120,12 @@ class ProfilePair:
             return None, self._separated(pose)
         upstream = node + np.arange(steps + 1)[:, None] * stride * ns
         nodes, inverse = np.unique(upstream, return_inverse=True)
-        projection = self.rail.closest(point[nodes][:, 1:])
+        projection = self.rail.closest(seen[nodes])
         first = inverse.reshape(upstream.shape)[0]
         rail_s = projection.s[first]
         projected = self.rail.point(rail_s)
         axes = self.surface[1][node] @ pose.rotation.T
-        penetration = np.einsum("nc,nc->n", point[node, 1:] - projected, axes[:, 2, 1:])
+        penetration = np.einsum("nc,nc->n", seen[node] - projected, axes[:, 2, 1:])
         positive = penetration > 0  # at the edge of the region the two normals may differ
         if not positive.all():
             node, upstream, axes, penetration = (
@@ -161,7 +164,7 @@ class ProfilePair:
                 step=self.lines[0][line, 1] * (self.angle[stride] - self.angle[0]),
                 wheel_place=np.stack([self.arc[line], self.lines[0][line, 0]], axis=1),
                 rail_place=np.stack([rail_s, projected[:, 0]], axis=1),
-                sensitivity=self._sensitivity,
+                sensitivity=replace(self._sensitivity, plan=pose.plan) if pose.plan else self._sensitivity,
             ),
             float(penetration.max()),
         )

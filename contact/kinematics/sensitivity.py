@@ -46,10 +46,12 @@ class WheelPointSensitivity:
     Parameters:
         rail: curve of the rail's profile.
         moves_with_wheel: whether the points move with the wheel.
+        plan: 1/m, curvature of the rail in plan.
     """
 
     rail: Curve
     moves_with_wheel: bool = True
+    plan: float = 0.0
 
     @classmethod
     def of(cls, rail: Curve) -> WheelPointSensitivity:
@@ -61,9 +63,11 @@ class WheelPointSensitivity:
         s, wheel = points.rail_place[:, 0], points.axes[:, 2, 1:]
         normal = self.rail.normal(s)
         tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
-        height = ((points.point[:, 1:] - self.rail.point(s)) * normal).sum(axis=1)  # negative inside
+        x, shear = points.point[:, :1], np.array([0.5 * self.plan, 0.0])
+        height = ((points.point[:, 1:] - shear * x**2 - self.rail.point(s)) * normal).sum(axis=1)  # negative inside
         along = (tangent * wheel).sum(axis=1) / (1 + self.rail.curvature(s) * height)
-        displacement = displacement_derivative(points.point - origin)[:, :, 1:]
+        moved = displacement_derivative(points.point - origin)
+        displacement = moved[:, :, 1:] - 2.0 * shear * x * moved[:, :, :1]
         normal_change = rotation_derivative(points.axes[:, 2])[:, :, 1:]
         return np.asarray(
             (displacement * (wheel - along[:, None] * tangent) + normal_change * (height[:, None] * normal)).sum(axis=2)

@@ -56,10 +56,8 @@ def test_masses_in_tonnes_of_a_vehicle_file(tmp_path: Path) -> None:
 
 
 def test_the_examples_are_usual() -> None:
-    """But for a tram in a curve of 25 m, which is told the limit of its contacts."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        warnings.filterwarnings("ignore", r".*below 50 m: contacts take rails as straight")
         for file in sorted(MANCHESTER.parent.glob("*.toml")):
             if 'kind = "run"' in (text := file.read_text()) or 'kind = "wheelset"' in text:
                 load_scene(file)

@@ -17,7 +17,6 @@ VEHICLE = ("--vehicle", str(SCENES / "tram_bogie.toml"))
 SPEED, RADIUS, MASS = 3.0, 25.0, 14400.0
 
 
-@pytest.mark.filterwarnings("ignore:.*below 50 m")
 def test_the_example_runs_into_the_curve(tmp_path: Path) -> None:
     scene = str(SCENES / "vehicle_tram.toml")
     done = CliRunner().invoke(app, ["run", scene, *VEHICLE, "--out", str(tmp_path)])

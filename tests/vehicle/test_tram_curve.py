@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from copy import deepcopy
 from functools import cache
 
@@ -14,8 +15,7 @@ from wheelrail.contact.results.result import Patch
 from wheelrail.scenes.builders.vehicle_file import MANCHESTER, parse_vehicle
 from wheelrail.scenes.builders.wheelset import run_contact
 from wheelrail.scenes.schema.errors import SceneError
-from wheelrail.scenes.schema.messages import warn_of_unusual
-from wheelrail.scenes.schema.scene import RunScene, parse_scene
+from wheelrail.scenes.schema.scene import RunScene, parse_scene, warned
 from wheelrail.vehicle.integration.integrate import StepSettings
 from wheelrail.vehicle.multibody.equations import VehicleDynamics, WheelContacts
 from wheelrail.vehicle.multibody.wheel_forces import check_rail_force
@@ -156,10 +156,16 @@ def test_a_resumed_run_repeats_the_whole_one_to_the_last_bit() -> None:
     assert sum(check_rail_force(row.patches[0][0], "left") > 0.0 for row in whole.rows[30:]) > 5
 
 
-def test_scenes_of_sharp_curves_name_what_is_neglected() -> None:
-    """k x^2 / 2 at 28 mm."""
-    sharp = SCENE.replace("curvature = 1.6666666666666667e-3", "curvature = -0.04")
-    with pytest.warns(UserWarning, match=r"track.curvature = -0.04: below 50 m: .* straight, 16 um at a flange 28 mm"):
-        warn_of_unusual(scene(sharp), "sharp.toml")
+def test_tables_in_sharp_curves_warn_of_straight_rails() -> None:
+    elastic = (
+        SCENE.replace('model = "standard"', 'model = "condensed"\nlaws = "exact"\nsurface_size = 1e-3')
+        + "[tabulated]\n"
+    )
+    for curvature, said in (("-0.04", True), ("-0.01", False)):
+        own = scene(elastic.replace("curvature = 1.6666666666666667e-3", f"curvature = {curvature}"))
+        with warnings.catch_warnings(record=True) as seen:
+            warnings.simplefilter("always")
+            warned(own, "sharp.toml")
+        assert [str(one.message).startswith("sharp.toml: track: tables of forces") for one in seen] == [True] * said
     with pytest.raises(SceneError, match=r"track.curvature = 0.07: must be a number from -0.067 to 0.067 1/m"):
         scene(SCENE.replace("curvature = 1.6666666666666667e-3", "curvature = 0.07"))

@@ -68,9 +68,10 @@ auto lowest_step(const OnCurve<Z>& wheel, double radius, const SeenLine<T>& seen
 //
 // Parameters: number of turns before; sines of this turn and of the one before; changes by these turns; sine and cosine
 // after this turn. On the steep flange of a wheel that yaws the closest point runs along with the angle: turns alone
-// stall there, or run away. A secant's step takes their change to zero.
+// stall there, or run away. A secant's step takes their change to zero, at once where the changes grow.
 inline void next_turn(int turn, double at, double last, double change, double changed, double& sine, double& cosine) {
-    double bend = turn >= DIRECT && at != last ? (change - changed) / (at - last) : 0.0;
+    bool grows = turn > 0 && std::abs(change) > std::abs(changed);
+    double bend = (grows || turn >= DIRECT) && at != last ? (change - changed) / (at - last) : 0.0;
     if (bend >= -1.0 / LARGEST) return;
     sine = std::min(std::max(at - change / bend, -1.0), 1.0);
     cosine = std::copysign(std::sqrt(1.0 - sine * sine), cosine);

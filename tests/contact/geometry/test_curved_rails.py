@@ -9,11 +9,16 @@ import pytest
 from scipy.optimize import minimize_scalar
 from small_strips import few_strips
 from standard_pair import MOUNTING, RAIL, WHEEL, wheel_on_rail
+from test_core import moved
 
 from wheelrail.bindings import _contact as core
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.kinematics.wheelset_state import WheelsetState
+from wheelrail.contact.laws.material import Material
+from wheelrail.contact.laws.parameters import ContactLaws
+from wheelrail.contact.models.builders import wheel_rail_pair
+from wheelrail.contact.models.discretisation import Discretisation
 from wheelrail.contact.models.lattice.system.surface import surface_data
 
 RADIUS, SPEED = 0.46, 5.0
@@ -76,7 +81,7 @@ def test_penetration_is_that_of_a_rail_bent_to_an_arc() -> None:
 
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize(
-    "at", [{"y": 6e-3, "z": -1.2e-4, "yaw": -0.03}, {"y": -2e-3, "z": -4e-4, "yaw": 0.02}], ids=["flange", "tread"]
+    "at", [{"y": 5.2e-3, "z": -6e-5, "yaw": -0.03}, {"y": -2e-3, "z": -4e-4, "yaw": 0.02}], ids=["flange", "tread"]
 )
 def test_tangent(name: str, at: dict[str, float]) -> None:
     """Forces and moments at 20 m against differences."""
@@ -100,7 +105,7 @@ def test_tangent(name: str, at: dict[str, float]) -> None:
 @pytest.mark.parametrize("name", MODELS)
 def test_mirror_images(name: str) -> None:
     contact = MODELS[name]()
-    state = in_curve(-25.0, y=6e-3, z=-1.2e-4, yaw=0.02)
+    state = in_curve(-25.0, y=5.2e-3, z=-6e-5, yaw=0.02)
     left, right = contact(state, "left"), contact(state.mirrored(), "right")
     np.testing.assert_array_equal(left.force, np.array([1.0, -1.0, 1.0]) * right.force)
     assert np.linalg.norm(left.force) > 1e4
@@ -120,9 +125,30 @@ def test_normal_forces_do_work_as_on_a_straight_rail(name: str, radius: float) -
         power = own.force @ velocity + own.moment @ motion.rail.rotation
         return float(power / (SPEED * np.linalg.norm(own.force)))
 
-    at = {"y": 6e-3, "z": -5e-5, "yaw": 0.03}
+    at = {"y": 5.2e-3, "z": -5e-5, "yaw": 0.03}
     straight = share(*MOUNTING.left_pair(in_curve(np.inf, **at)))
     pose, motion = MOUNTING.left_pair(in_curve(radius, **at))
     off = [abs(share(rail, motion) - straight) for rail in (pose, replace(pose, plan=0.0))]
     assert off[1] > 5e-5
     assert off[0] < 0.15 * off[1]
+
+
+def test_points_of_grids() -> None:
+    """Largest penetration as on strips; derivatives by the pose against differences, of points that stay."""
+    how = Discretisation(2e-3, bodies="waveguide", points="grid")
+    pair = wheel_rail_pair((WHEEL, RAIL), RADIUS, (Material(), Material()), ContactLaws(friction=0.3), how).geometry
+    pose, _ = MOUNTING.left_pair(in_curve(-20.0, y=5.2e-3, z=-6e-5, yaw=0.03))
+    points, approach = pair.contact_points(pose, 2)
+    assert approach == pytest.approx(pair.rigid.approach(pose), abs=2e-6)
+    assert abs(approach - pair.contact_points(replace(pose, plan=0.0), 2)[1]) > 1e-6
+    changes = points.sensitivity.penetration(points, pose.origin)
+    for k in range(6):
+        depth = []
+        for way in (1e-7, -1e-7):
+            at = moved(pose, k, way)
+            found = pair.contact_points(replace(at, plan=pose.plan), 2)[0]
+            depth.append(dict(zip(found.node.tolist(), found.penetration.tolist(), strict=True)))
+        stay = [n for n, node in enumerate(points.node.tolist()) if all(node in own for own in depth)]
+        expected = [(depth[0][node] - depth[1][node]) / 2e-7 for node in points.node[stay].tolist()]
+        assert len(stay) > 0.9 * len(points.node)
+        np.testing.assert_allclose(changes[k, stay], expected, atol=1e-8)

@@ -35,9 +35,8 @@ def touching(
     depth: float, yaw: float, curvature: float, roll: float = 0.0, of: WheelsetContact | None = None
 ) -> WheelsetState:
     """State of a rolling wheelset whose left flange back is so deep, m."""
-    state = WheelsetState(
-        z=1e-4, roll=roll, yaw=yaw, speed=V, pitch_rate=V / R, frame_rate=(0.0, 0.0, V * curvature / (1.0 + 0.7535 * curvature))
-    )  # fmt: skip
+    turn = V * curvature / (1.0 + MOUNTING.rail_y * curvature)  # of the track, for that curvature of the rail
+    state = WheelsetState(z=1e-4, roll=roll, yaw=yaw, speed=V, pitch_rate=V / R, frame_rate=(0.0, 0.0, turn))
     own = of or contact()
     y = brentq(lambda y: own(replace(state, y=y), "left").approach - depth, -0.02, 0.02, xtol=1e-15)
     return replace(state, y=y)

@@ -22,8 +22,6 @@ def reject(message: str, key: str = "") -> PydanticCustomError:
 
 
 SHARPEST = 15.0  # m, radius of a track's curve
-STRAIGHT = 50.0  # m, radius above which the curvature of rails changes that of a flange's contact by 2.5 % at most
-AHEAD = 0.028  # m, of a flange's contact before the middle of its wheel at an angle of attack of 60 mrad
 
 
 @dataclass(frozen=True)
@@ -91,25 +89,6 @@ class CurveRadii(Range):
         if not abs(value) >= SHARPEST:
             raise reject(f"must be {self}")
         return value
-
-    def remark(self, value: float) -> str:
-        return _sharp(value)
-
-
-@dataclass(frozen=True)
-class CurveCurvature(Range):
-    """The curvature of a track."""
-
-    def remark(self, value: float) -> str:
-        return _sharp(1.0 / value if value else inf)
-
-
-def _sharp(radius: float) -> str:
-    """Text about a sharp curve; empty for another one."""
-    if abs(radius) >= STRAIGHT:
-        return ""
-    gap = 1e6 * 0.5 * AHEAD**2 / abs(radius)
-    return f"below {STRAIGHT:g} m: contacts take rails as straight, {gap:.0f} um at a flange {1e3 * AHEAD:g} mm ahead"
 
 
 @dataclass(frozen=True)
@@ -196,7 +175,7 @@ TableLoad = Annotated[Finite, Range(1e3, 1e6, "N", "of a wheel: 200 kN is 200e3"
 TableTolerance = Annotated[Finite, Range(1e-3, 0.1)]
 Angle = Annotated[Finite, Range(-0.2, 0.2, "rad", "1/40 is 0.025")]
 Rate = Annotated[Finite, Range(-1e3, 1e3, "per second")]
-Curvature = Annotated[Finite, CurveCurvature(-0.067, 0.067, "1/m", "1/radius, positive to the left")]
+Curvature = Annotated[Finite, Range(-0.067, 0.067, "1/m", "1/radius, positive to the left")]
 Gauge = Annotated[Finite, Range(0.5, 2.0, "m", "1435 mm is 1.435")]
 GaugeHeight = Annotated[Finite, Range(0.0, 0.05, "m", "below the top of the rail: 14 mm is 0.014", open=True)]
 FlangeBackDistance = Annotated[Finite, Range(0.4, 2.0, "m", "1360 mm is 1.360")]

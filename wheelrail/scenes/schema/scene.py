@@ -6,6 +6,7 @@ from collections.abc import Container, Mapping
 from math import isinf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, get_args
+from warnings import warn
 
 from pydantic import (
     Field,
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from wheelrail.contact.models.discretisation import Discretisation
     from wheelrail.meshes.profiles.profile import Profile
 
+STRAIGHT = 50.0  # m, radius above which the curvature of rails changes that of a flange's contact by 2.5 % at most
 Model = Literal["condensed", "full", "standard", "table"]
 MODELS: tuple[str, ...] = get_args(Model)
 MOST_SAMPLES = 1_000_000  # kilobytes of memory each
@@ -528,6 +530,12 @@ class RunScene(OnRails):
         return self
 
     @property
+    def takes_rails_as_straight(self) -> bool:
+        """Whether forces come from tables, which have no curvature of rails in plan."""
+        own = (self, *(self.contacts or {}).values())
+        return self.tabulated is not None or any(contact.model == "table" for contact in own)
+
+    @property
     def keys_of_vehicle_files(self) -> list[str]:
         """Keys that are used, and allowed only with a vehicle file."""
         used = [key for key in ("contacts", "wheelsets", "kick", "torque", "force") if getattr(self, key)]
@@ -585,6 +593,9 @@ def load_scene(path: str | Path) -> Scene:
 
 def warned(scene: Scene, path: str | Path, unnamed: Container[str] = ()) -> Scene:
     """The scene, after warnings of its unusual values; parameters as for `checked`."""
+    if isinstance(scene, RunScene) and scene.takes_rails_as_straight and scene.track.sharpest > 1.0 / STRAIGHT:
+        text = f"tables of forces take rails as straight, which errs by microns at flanges below {STRAIGHT:g} m"
+        warn(f"{path}: track: {text}", stacklevel=2)
     other_wagon = isinstance(scene, RunScene) and scene.vehicle.changed
     warn_of_unusual(scene, path, unnamed, scene.vehicle.on(None) if other_wagon else None)  # type: ignore[union-attr]
     return scene

@@ -239,6 +239,11 @@ class TrackLine(RailsTable):
             SegmentTable(kind="arc", length=self.curve, curvature=self.curvature, cant=self.cant, slope=self.slope),
         )
 
+    @property
+    def sharpest(self) -> float:
+        """Largest curvature of any segment, 1/m."""
+        return max(abs(segment.curvature or 0.0) for segment in self.layout)
+
     @cached_property
     def length(self) -> float:
         return float(sum(segment.length for segment in self.layout))

@@ -134,8 +134,8 @@ struct LineChange {
         if (surface.revolves) {
             auto wheel = local(surface.wheel, line);
             double angle = x / surface.radius;
-            T turn = lowest_step(wheel, surface.radius, seen_line(wheel.point, surface.radius, moving),
-                                 std::sin(angle), std::cos(angle), local(surface.rail, foot))
+            T turn = lowest_step(wheel, surface.radius, seen_line(wheel.point, surface.radius, moving), std::sin(angle),
+                                 std::cos(angle), local(surface.rail, foot))
                          .turn;
             if (std::abs(turn.v) < LOWEST) along += surface.radius * (turn - turn.v);
             depth = project<T>(surface.rail, seen_on_circle(wheel, surface.radius, moving, along), -1).depth;
