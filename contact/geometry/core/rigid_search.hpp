@@ -101,7 +101,18 @@ struct Maxima {
     double approach = 0.0;
 };
 
+// Way m from the first of two lines to where a slope that is quadratic between them is extreme: of the same sign at
+// both, it may have the other one there. rise: of the penetration m over the distance m of the lines; NaN or outside
+// without.
+inline double turning(double first, double last, double rise, double away) {
+    double bend = 6.0 * (rise / away - 0.5 * (first + last));
+    return 0.5 * away * (1.0 + (last - first) / bend);
+}
+
 // Maxima on lines (m,) m, arc lengths on the wheel's profile, from their scan.
+//
+// Where slopes at two lines have the same sign, a maximum and a minimum may lie between them; the penetration there
+// shows. Lines beside the rail have no slope.
 inline Maxima local_maxima(const WheelRail& pair, const Pose<double>& pose, const Numbers& lines, const Scan& samples) {
     const auto& [depth, slope, where, sample] = samples;
     auto slope_at = [&](double s, long line) { return deepest(pair, pose, s, where(line), sample(line)).slope; };
@@ -109,13 +120,23 @@ inline Maxima local_maxima(const WheelRail& pair, const Pose<double>& pose, cons
     found.approach = *std::max_element(depth.begin(), depth.end());
     long n = lines.size();
     for (long i = 0; i < n - 1; ++i) {
-        if (!(slope(i) > 0.0 && 0.0 >= slope(i + 1)) || std::max(depth(i), depth(i + 1)) < NEAR) continue;
+        bool rises = slope(i) > 0.0, falls = 0.0 >= slope(i + 1);
+        if (std::max(depth(i), depth(i + 1)) < NEAR || (!rises && !falls)) continue;
         long j = i, k = i + 1;
-        double rise = slope_at(lines(j), j), fall = slope_at(lines(k), k);
-        if (rise <= 0.0 && j > 0) --j, rise = slope_at(lines(j), j);  // the samples are not accurate enough
-        if (fall > 0.0 && k < n - 1) ++k, fall = slope_at(lines(k), k);
+        double low = lines(j), high = lines(k), rise = 0.0, fall = 0.0;
+        if (rises && falls) {
+            rise = slope_at(low, j), fall = slope_at(high, k);
+            if (rise <= 0.0 && j > 0) low = lines(--j), rise = slope_at(low, j);  // the samples are not accurate enough
+            if (fall > 0.0 && k < n - 1) high = lines(++k), fall = slope_at(high, k);
+        } else {
+            double between = low + turning(slope(j), slope(k), depth(k) - depth(j), high - low);
+            if (std::min(sample(j), sample(k)) < 0 || !(low < between && between < high)) continue;
+            (rises ? high : low) = between;
+            rise = slope_at(low, j), fall = slope_at(high, k);
+        }
         if (!(rise > 0.0 && 0.0 >= fall)) continue;
-        auto top = stationary_point(pair, pose, lines(j), lines(k), rise, fall, where(i), sample(i));
+        auto top = stationary_point(pair, pose, low, high, rise, fall, where(i), sample(i));
+        if (!found.top.empty() && !(top.s > found.top.back().s + CLOSE)) continue;  // known from the line before
         found.approach = std::max(found.approach, top.depth);
         if (top.depth <= 0.0) continue;
         if (!found.top.empty()) {

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from test_tangent_at_corners import errors, load
 
 from wheelrail.bindings._contact import wheel_regions
@@ -15,6 +16,7 @@ from wheelrail.contact.models.standard.model import StandardContact
 from wheelrail.meshes.curves.arc_length import line
 from wheelrail.meshes.curves.spline import through
 from wheelrail.meshes.profiles.profile import Profile, from_sections
+from wheelrail.support.arrays import Array
 
 RADIUS, CROWN, WAVE, HEIGHT = 0.46, 20.0, 2e-3, 0.4e-6  # m
 CYLINDER = from_sections([line(-0.05 + 0j, 0.05 + 0j)], name="cylinder", kind="wheel")
@@ -35,20 +37,38 @@ def contact(height: float) -> tuple[StandardContact, Mounting]:
     return StandardContact(pair, ContactLaws(friction=0.3)), Mounting(0.75, 0.75, RADIUS)
 
 
+def humps(height: float, depth: float) -> Array:
+    """Places across and penetration (k, 2) m of all humps of a lowered wheel, on samples."""
+    y = np.linspace(-0.05, 0.05, 200001)
+    own = depth - CROWN * (1.0 - np.sqrt(1.0 - (y / CROWN) ** 2)) + height * (np.cos(2 * np.pi * y / WAVE) - 1.0)
+    at = np.flatnonzero((own[1:-1] > np.maximum(own[:-2], own[2:])) & (own[1:-1] > 0.0)) + 1
+    return np.column_stack([y[at], own[at]])
+
+
 def test_all_humps_are_found() -> None:
     """Without a limit of their number: of more than eight, the others ended as an overlap without contact."""
     (model, mounting), depth = contact(HEIGHT), 10e-6
     pose, motion = mounting.left_pair(replace(ROLLING, z=-depth))
-    pair, y = model.surfaces, np.linspace(-0.05, 0.05, 200001)
+    pair, expected = model.surfaces, humps(HEIGHT, depth)
     assert isinstance(pair, RigidWheelRail)
-    ripples = HEIGHT * (np.cos(2 * np.pi * y / WAVE) - 1.0)
-    own = depth - CROWN * (1.0 - np.sqrt(1.0 - (y / CROWN) ** 2)) + ripples
-    humps = np.flatnonzero((own[1:-1] > np.maximum(own[:-2], own[2:])) & (own[1:-1] > 0.0)) + 1
-    assert len(humps) > 15
+    assert len(expected) > 15
     found = wheel_regions(pair.wheel.shape, pair.rail.shape, RADIUS, *pose.arrays, pair.lines, pair.merge_distance)
-    np.testing.assert_allclose(found.top[:, 0], y[humps], atol=1e-5)
-    np.testing.assert_allclose(found.top[:, 1], own[humps], atol=1e-9)
+    np.testing.assert_allclose(found.top[:, 0], expected[:, 0], atol=1e-5)
+    np.testing.assert_allclose(found.top[:, 1], expected[:, 1], atol=1e-9)
     assert model(pose, motion).ok
+
+
+@pytest.mark.parametrize("height", [0.06e-6, HEIGHT / 2])
+def test_humps_between_two_lines_are_found(height: float) -> None:
+    """Wherever the lines lie: a hump was missed with a minimum before the next line, and forces jumped by 2 %."""
+    (model, mounting), expected, known = contact(height), humps(height, depth := 10e-6), set[int]()
+    pair = model.surfaces
+    assert isinstance(pair, RigidWheelRail)
+    for y in np.linspace(0.0, 4e-4, 41):
+        pose = mounting.left_pair(replace(ROLLING, y=y, z=-depth))[0]
+        shapes = pair.wheel.shape, pair.rail.shape, RADIUS
+        known.add(len(wheel_regions(*shapes, *pose.arrays, pair.lines, pair.merge_distance).top))
+    assert known == {len(expected)}
 
 
 def test_ripples_hardly_change_the_force() -> None:
