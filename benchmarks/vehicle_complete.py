@@ -27,6 +27,7 @@ from benchmarks.common.machine import machine_description
 from benchmarks.paper.tables import markdown
 from benchmarks.table_runs import border, irregular
 from benchmarks.track_models import RAIL
+from wheelrail.contact.kinematics.frames import MIRROR
 from wheelrail.contact.loading.co_running_structure import CoRunningStructure
 from wheelrail.contact.models.strip_places import at_places
 from wheelrail.contact.structure.ballast import Ballast, CoRunningTrack, Layers, co_running, of_both_sides
@@ -488,6 +489,20 @@ def energy(parts: tuple[float, ...] = (1.0, 0.1)) -> Iterator[Check]:
         yield Check(f"energy balance, {name}, {part:g} of the tolerances", energy_balance(run).error, 0.0, 1e-2 * part)
 
 
+def mirror(end: float = 0.3, standard: tuple[bool, ...] = (True, False)) -> Iterator[Check]:
+    """Runs into a curve with elastic axles and co-running tracks, and their mirror images, to a time s."""
+    for own in standard:
+        force = []
+        for hand in (1.0, -1.0):
+            track = Track.curve(curvature=hand / 600, cant=0.06, transition=5.0, length=200.0)
+            d = replace(vehicle("axle and mass", own), track=track)
+            force.append(simulate(d, (0.0, end), steps=StepSettings("rosenbrock", 3e-3, 3e-6)).force)
+        name = "standard" if own else "strips"
+        yield Check(
+            f"mirror images, {name}: forces, N", np.abs(force[1] - MIRROR * force[0][:, :, ::-1]).max(), 0.0, 0.0
+        )
+
+
 CHECKS: dict[str, Callable[[], Iterator[Check]]] = {
     "plane": plane_wagon,
     "table": lambda: (check for bodies in BODIES for check in steady(bodies)),
@@ -497,6 +512,7 @@ CHECKS: dict[str, Callable[[], Iterator[Check]]] = {
     "check_rails": check_rails,
     "joint": joint,
     "energy": energy,
+    "mirror": mirror,
     "tables": lambda: starmap(Check, chain(irregular(), border())),
 }
 QUICK: dict[str, Callable[[], Iterator[Check]]] = {
@@ -504,6 +520,7 @@ QUICK: dict[str, Callable[[], Iterator[Check]]] = {
     "table": lambda: (check for bodies in ("rigid", "mass") for check in steady(bodies, 1)),
     "joint": partial(joint, (20.0,), False),
     "energy": partial(energy, (1.0,)),
+    "mirror": partial(mirror, 0.05, (True,)),
     "tables": lambda: starmap(Check, irregular(0.2)),
 }
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from small_strips import few_strips
 
+from benchmarks.vehicle_complete import mirror
 from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.loading.flexible_contact import FlexibleContact
@@ -240,3 +241,8 @@ def test_jacobian_of_a_vehicle_on_several_wheelsets() -> None:
         for rows in (slice(c, 2 * c), slice(first, None)):
             within = 1e-6 * np.abs(change[rows]).max()
             np.testing.assert_allclose(linear.by_state[rows, column], change[rows], rtol=0.0, atol=within)
+
+
+def test_mirror_images_of_a_vehicle_on_elastic_track_are_equal_to_the_last_bit() -> None:
+    (check,) = mirror(0.05, (True,))
+    assert check.value == 0.0
