@@ -6,14 +6,17 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wheelrail.cli.mpi_launcher import several
 from wheelrail.cli.output import BAD_INPUT, FAILED
+from wheelrail.support.terminal import progress_console, stdout_for_results
 
 if TYPE_CHECKING:
+    from rich.status import Status
+
     from wheelrail.scenes.schema.scene import HertzScene, RunScene, WheelsetScene
 
 
@@ -21,6 +24,16 @@ PICTURES = (".png", ".svg", ".pdf")
 
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file (TOML).", show_default=False)]
+
+
+def picture_option(what: str) -> Any:
+    """The option --picture; what: that is saved."""
+    return typer.Option("--picture", metavar="FILE", help=f"Save {what} ({', '.join(PICTURES)}).")
+
+
+def folder_option(default: str) -> Any:
+    """The option --out of a folder; default: its name for readers."""
+    return typer.Option("--out", metavar="DIR", help=f"Folder for the results; default: {default}.")
 
 
 def load(scene: Path) -> HertzScene | WheelsetScene | RunScene:
@@ -68,6 +81,13 @@ def error_lines(scene: str, place: str | None = None) -> Iterator[None]:
     except (OSError, RunFailed) as error:
         print(abridged(f"{scene if place is None else place}{error}"), file=sys.stderr)
         raise typer.Exit(FAILED) from None
+
+
+@contextmanager
+def computing(scene: str, what: str, place: str | None = None) -> Iterator[Status]:
+    """Errors as by `error_lines`, standard output for results only, and on standard error what is being computed."""
+    with error_lines(scene, place), stdout_for_results(), progress_console().status(what) as status:
+        yield status
 
 
 def check_picture(picture: Path | None) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import SceneFile, check_picture, load, reject_mpi, rejected
+from wheelrail.cli.arguments import SceneFile, check_picture, load, picture_option, reject_mpi, rejected
 from wheelrail.cli.mpi_launcher import first
 from wheelrail.cli.output import FAILED, print_results
 from wheelrail.support.terminal import progress_console, stdout_for_results
@@ -23,10 +23,7 @@ if TYPE_CHECKING:
 @app.command()
 def contact(
     scene: SceneFile,
-    picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="FILE", help="Save a figure of the patches (.png, .svg, .pdf)."),
-    ] = None,
+    picture: Annotated[Path | None, picture_option("a figure of the patches")] = None,
 ) -> None:
     """Solve the contact of a Hertz pair or of a wheelset."""
     checked = load(scene)

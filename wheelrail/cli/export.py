@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import check_ending, error_lines, load, rejected, results_folder
+from wheelrail.cli.arguments import check_ending, computing, error_lines, load, rejected, results_folder
 from wheelrail.cli.output import print_files
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
@@ -112,7 +112,7 @@ def _fields(scene: Path, out: Path) -> None:
     from wheelrail.scenes.views.export import export_side
     from wheelrail.scenes.views.plotter import pyvista
 
-    with error_lines(f"{scene}: ", f"{folder}: "), stdout_for_results(), progress_console().status("fields"):
+    with computing(f"{scene}: ", "fields", f"{folder}: "):
         pyvista()  # if it is missing, it is missed before the scene is solved
         model = built_model(checked)
         files = [

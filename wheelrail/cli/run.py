@@ -8,7 +8,17 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import SceneFile, check_picture, error_lines, load_run, rejected, results_folder
+from wheelrail.cli.arguments import (
+    SceneFile,
+    check_picture,
+    computing,
+    error_lines,
+    folder_option,
+    load_run,
+    picture_option,
+    rejected,
+    results_folder,
+)
 from wheelrail.cli.output import FAILED, INTERRUPTED, print_results
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
@@ -29,10 +39,7 @@ NeededVehicleFile = Annotated[
 @app.command()
 def track(
     scene: SceneFile,
-    picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="FILE", help="Save a figure of the track (.png, .svg, .pdf)."),
-    ] = None,
+    picture: Annotated[Path | None, picture_option("a figure of the track")] = None,
     vehicle: VehicleFile = None,
 ) -> None:
     """Print the track of a vehicle run: segments, cant, cant deficiency, standard deviations of irregularities.
@@ -56,10 +63,7 @@ def track(
 @app.command()
 def run(
     scene: SceneFile,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder for the results; default: results/<scene>."),
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/<scene>")] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="Resume an interrupted run from its last checkpoint.")
     ] = False,
@@ -97,10 +101,7 @@ def compare(
     other: Annotated[
         str, typer.Option("--with", metavar="MODEL", help="Contact model to compare with that of the scene.")
     ] = "standard",
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder for the results; default: results/<scene>_compare."),
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/<scene>_compare")] = None,
 ) -> None:
     """Simulate a vehicle run with two contact models; figure and table of their differences."""
     load_run(scene)
@@ -124,7 +125,7 @@ def modes(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None) -
     from wheelrail.scenes.runs.steady import modes_of, modes_table
 
     speeds = speed or [checked.vehicle.first_speed]
-    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
+    with computing(f"{scene}: ", "contact and equilibrium"):
         modes_by_speed = modes_of(checked, vehicle, speeds)
     print_results(Results("modes", list(map(modes_table, modes_by_speed, speeds))))
 
@@ -140,7 +141,7 @@ def curving(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None)
     from wheelrail.scenes.runs.steady import curve_of, equilibria_of, equilibrium_tables
 
     speeds = speed or [checked.vehicle.first_speed]
-    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
+    with computing(f"{scene}: ", "contact and equilibrium"):
         curve = curve_of(checked)
         states = equilibria_of(checked, vehicle, speeds, curve)
     print_results(Results("curving", [table for at in states for table in equilibrium_tables(at, curve)]))
@@ -154,7 +155,7 @@ def equilibrium(scene: SceneFile, vehicle: NeededVehicleFile, speed: Speeds = No
     from wheelrail.scenes.runs.steady import equilibria_of, equilibrium_tables
 
     speeds = speed or [checked.vehicle.first_speed]
-    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and equilibrium"):
+    with computing(f"{scene}: ", "contact and equilibrium"):
         states = equilibria_of(checked, vehicle, speeds)
     print_results(Results("equilibrium", [table for at in states for table in equilibrium_tables(at)]))
 
@@ -164,10 +165,7 @@ def response(
     scene: SceneFile,
     vehicle: NeededVehicleFile,
     speed: Speeds = None,
-    picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="FILE", help="Save a figure of the amplitudes (.png, .svg, .pdf)."),
-    ] = None,
+    picture: Annotated[Path | None, picture_option("a figure of the amplitudes")] = None,
     count: Annotated[
         int, typer.Option("--count", metavar="N", min=2, max=2000, help="Frequencies from 0.3 to 30 Hz.")
     ] = 80,
@@ -183,7 +181,7 @@ def response(
     from wheelrail.scenes.runs.response import draw_response, response_results, responses_of
 
     at = (speed or [checked.vehicle.first_speed])[0]
-    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("contact and response"):
+    with computing(f"{scene}: ", "contact and response"):
         found, points = responses_of(checked, vehicle, at, np.geomspace(0.3, 30.0, count), floor)
     if picture is not None:
         with error_lines("", f"{picture}: "):
@@ -212,7 +210,7 @@ def critical(
         raise rejected(f"--from {lowest:g}: must be less than --to {highest:g}")
     from wheelrail.scenes.runs.steady import critical_speed_results, critical_speeds_of
 
-    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("modes over speed"):
+    with computing(f"{scene}: ", "modes over speed"):
         found = critical_speeds_of(checked, vehicle, (lowest, highest), places)
     print_results(critical_speed_results(found, (lowest, highest)))
 
@@ -222,10 +220,7 @@ def hunting(
     scene: SceneFile,
     vehicle: NeededVehicleFile,
     speed: Speeds = None,
-    picture: Annotated[
-        Path | None,
-        typer.Option("--picture", metavar="FILE", help="Save the bifurcation diagram (.png, .svg, .pdf)."),
-    ] = None,
+    picture: Annotated[Path | None, picture_option("the bifurcation diagram")] = None,
     longest: Annotated[
         float, typer.Option("--longest", metavar="T", min=1.0, max=1000.0, help="Longest motion at a speed, s.")
     ] = 20.0,
@@ -253,11 +248,7 @@ def hunting(
     from wheelrail.vehicle.simulation.limit_cycle import CycleSearch
 
     speeds, cycles = speed or [checked.vehicle.first_speed], []
-    with (
-        error_lines(f"{scene}: "),
-        stdout_for_results(),
-        progress_console().status("contact and equilibrium") as status,
-    ):
+    with computing(f"{scene}: ", "contact and equilibrium") as status:
         for cycle in hunting_of(checked, vehicle, speeds, CycleSearch(longest=longest), fold):
             cycles.append(cycle)
             status.update(f"{cycle.speed:g} m/s: {cycle.status}")

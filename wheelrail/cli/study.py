@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import error_lines, results_folder
+from wheelrail.cli.arguments import error_lines, folder_option, results_folder
 from wheelrail.cli.output import FAILED, INTERRUPTED, print_results
 from wheelrail.support.terminal import progress_console, stdout_for_results
 
@@ -21,10 +21,7 @@ Scheduler = Annotated[
 @app.command()
 def study(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="Study file (TOML).", show_default=False)],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder for the results; default: results/<study>."),
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/<study>")] = None,
     scheduler: Scheduler = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Recompute completed cases.")] = False,
 ) -> None:
@@ -48,10 +45,7 @@ def study(
 @app.command()
 def wear(
     wear: Annotated[Path, typer.Argument(metavar="WEAR", help="Wear file (TOML).", show_default=False)],
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder for the results; default: results/<wear>."),
-    ] = None,
+    out: Annotated[Path | None, folder_option("results/<wear>")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Continue from the last whole step.")] = False,
     processes: Annotated[
         int, typer.Option("--processes", min=1, help="Processes for the cases; 1: this one, in threads.")

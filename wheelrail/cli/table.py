@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import check_ending, check_picture, error_lines, load, reject_mpi, rejected
+from wheelrail.cli.arguments import check_ending, check_picture, error_lines, load, picture_option, reject_mpi, rejected
 from wheelrail.cli.output import FAILED, INTERRUPTED, print_results
 from wheelrail.support.terminal import stdout_for_results
 
@@ -39,9 +39,7 @@ def table(
         Range, typer.Option("--load", metavar="LOW HIGH", help="Vertical load of a wheel without friction, N.")
     ] = (10e3, 200e3),
     workers: Annotated[int, typer.Option("--workers", min=1, help="Number of processes.")] = 2,
-    picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="FILE", help="Save a figure of the table (.png, .svg, .pdf).")
-    ] = None,
+    picture: Annotated[Path | None, picture_option("a figure of the table")] = None,
 ) -> None:
     """Tabulate contact forces for model = "table"; the same command continues after an interruption."""
     from wheelrail.contact.tables.table_range import TableRange

@@ -8,10 +8,18 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import SceneFile, check_ending, check_picture, error_lines, load_run, rejected
+from wheelrail.cli.arguments import (
+    SceneFile,
+    check_ending,
+    check_picture,
+    computing,
+    error_lines,
+    load_run,
+    picture_option,
+    rejected,
+)
 from wheelrail.cli.output import print_results
 from wheelrail.cli.run import NeededVehicleFile, Speeds
-from wheelrail.support.terminal import progress_console, stdout_for_results
 
 
 @app.command()
@@ -32,7 +40,7 @@ def twist(
             raise rejected(f"{name} {value:g}: must be -0.02 to 0.02 (3 per mille is 0.003)")
     from wheelrail.scenes.runs.quasistatic import twist_results, twists_of
 
-    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("equilibria on twisted track"):
+    with computing(f"{scene}: ", "equilibria on twisted track"):
         found = twists_of(checked, vehicle, body, bogie)
     print_results(twist_results(found))
 
@@ -50,7 +58,7 @@ def sway(
     checked = load_run(scene)
     from wheelrail.scenes.runs.quasistatic import sway_results, sways_of
 
-    with error_lines(f"{scene}: "), stdout_for_results(), progress_console().status("equilibria on canted track"):
+    with computing(f"{scene}: ", "equilibria on canted track"):
         found = sways_of(checked, vehicle, sorted(cant or (0.05, 0.1, 0.15)))
     print_results(sway_results(found))
 
@@ -95,9 +103,7 @@ def wind(
         str | None, typer.Option("--body", metavar="NAME", help="In the wind; default: the car body.")
     ] = None,
     left: Annotated[bool, typer.Option("--left", help="Wind from the left; default: from the right.")] = False,
-    picture: Annotated[
-        Path | None, typer.Option("--picture", metavar="FILE", help="Save a figure of the curves (.png, .svg, .pdf).")
-    ] = None,
+    picture: Annotated[Path | None, picture_option("a figure of the curves")] = None,
     csv: Annotated[Path | None, typer.Option("--csv", metavar="FILE", help="Save the table (.csv).")] = None,
 ) -> None:
     """Critical wind of a vehicle: speed of steady wind, and of gusts, that unload the windward wheels by 90 %.
@@ -119,7 +125,7 @@ def wind(
     speeds = speed or [checked.vehicle.first_speed]
     order = WindOrder(speeds, angles, acceleration or [0.0], left, body, width, gust)
     points = []
-    with error_lines(""), stdout_for_results(), progress_console().status("equilibria in wind") as status:
+    with computing("", "equilibria in wind") as status:
         for point in wind_points(checked, vehicle, table, order):
             points.append(point)
             status.update(f"{len(points)} of {len(speeds) * len(angles) * len(order.accelerations)} points")

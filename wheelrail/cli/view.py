@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from wheelrail.cli.app import app
-from wheelrail.cli.arguments import SceneFile, check_ending, error_lines, load, rejected, results_folder
+from wheelrail.cli.arguments import SceneFile, check_ending, computing, error_lines, load, rejected, results_folder
 from wheelrail.cli.output import print_files, print_results
-from wheelrail.support.terminal import progress_console, stdout_for_results
+from wheelrail.support.terminal import stdout_for_results
 
 
 @app.command()
@@ -33,8 +33,7 @@ def view(
     from wheelrail.scenes.views.html import save_view
     from wheelrail.scenes.views.view import view_scene
 
-    console = progress_console()
-    with error_lines(f"{scene}: "), stdout_for_results(), console.status("reading the scene") as status:
+    with computing(f"{scene}: ", "reading the scene") as status:
         plotter = view_scene(
             checked, title=scene.stem, body=body, side=side, scale=scale, report_progress=status.update
         )
@@ -67,8 +66,7 @@ def animate(
     check_ending("--out", out, (".mp4", ".gif"))
     from wheelrail.scenes.views.view import animate_file
 
-    console = progress_console()
-    with error_lines(""), stdout_for_results(), console.status("reading the run") as status:
+    with computing("", "reading the run") as status:
 
         def report_progress(done: int, count: int) -> None:
             status.update(f"frame {done} of {count}")
@@ -96,7 +94,7 @@ def report(
     from wheelrail.scenes.html_report.write import write_report
 
     place = folder / "report.html" if out is None else out
-    with error_lines("", f"{place}: "), stdout_for_results(), progress_console().status("reading and drawing"):
+    with computing("", "reading and drawing", f"{place}: "):
         write_report(folder, place, view=not no_view)
     print_files("report", place)
 
@@ -153,11 +151,7 @@ def assess(
     from wheelrail.scenes.assessment.tables import assessment_results
 
     folder = None if out is None else results_folder(out, out)
-    with (
-        error_lines("", "" if folder is None else f"{folder}: "),
-        stdout_for_results(),
-        progress_console().status("reading"),
-    ):
+    with computing("", "reading", "" if folder is None else f"{folder}: "):
         found = assessment_of(results, Options(alpha, length, deficiency, floor))
         files = []
         if folder is not None:
