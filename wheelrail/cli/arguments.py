@@ -85,7 +85,7 @@ def error_lines(scene: str, place: str | None = None) -> Iterator[None]:
 
 @contextmanager
 def computing(scene: str, what: str, place: str | None = None) -> Iterator[Status]:
-    """Errors as by `error_lines`, standard output for results only, and on standard error what is being computed."""
+    """Errors as by `error_lines`, standard output for results only, the name of the computation on standard error."""
     with error_lines(scene, place), stdout_for_results(), progress_console().status(what) as status:
         yield status
 
