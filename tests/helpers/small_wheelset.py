@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -73,4 +74,4 @@ def left_pose(state: WheelsetState = STATE, ahead: float = 0.0) -> Pose:
     """Pose of the left wheel, shifted along the rail so that its points are between the rail's nodes."""
     pose = MOUNTING.left_pair(state)[0]
     origin: Array = pose.origin + np.array([ahead, 0.0, 0.0])
-    return Pose(origin, pose.rotation)
+    return replace(pose, origin=origin)

@@ -52,7 +52,7 @@ def nudged(pose: Pose, motion: RigidMotion, change: Array) -> tuple[Pose, RigidM
     origin = pose.origin + change[:3]
     reference = origin + turn @ (wheel.reference - pose.origin)
     moved = Twist(wheel.velocity + change[6:9], wheel.rotation + change[9:], reference)
-    return Pose(origin, turn @ pose.rotation), replace(motion, wheel=moved)
+    return replace(pose, origin=origin, rotation=turn @ pose.rotation), replace(motion, wheel=moved)
 
 
 def sides_of_the_laws(result: ContactResult, laws: ContactLaws) -> tuple[bytes, ...]:
