@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -71,7 +70,7 @@ def wheelset(laws: ContactLaws | None = None) -> WheelsetContact:
 
 
 def left_pose(state: WheelsetState = STATE, ahead: float = 0.0) -> Pose:
-    """Pose of the left wheel, shifted along the rail so that its points are between the rail's nodes."""
+    """Pose of the left wheel on a straight rail, shifted along it so that its points are between the rail's nodes."""
     pose = MOUNTING.left_pair(state)[0]
     origin: Array = pose.origin + np.array([ahead, 0.0, 0.0])
-    return replace(pose, origin=origin)
+    return Pose(origin, pose.rotation)
