@@ -139,13 +139,14 @@ class ProfilePair:
         if not len(node):
             return None, self._separated(pose)
         reach = self.rail_strip.size / self.degree * (self.rail_grid.shape[0] // 2)
-        if np.abs(point[nodes, 0]).max() > reach:
+        along = point[nodes, 0] - self.rail_x(pose)
+        if np.abs(along).max() > reach:
             upstream_length = steps * stride * self.wheel_strip.size / self.degree
             raise self._beyond(pose, _ALONG.format(1e3 * (reach - upstream_length)))
         if (beyond := self._beyond_rail(rail_s, penetration)) >= 0:
             place = self.wheel.point(self.arc[node[beyond] % ns])
             raise OutsideSurface(overlap_text(penetration[beyond], place, UNSOLVED))
-        interpolation = self._rail_interpolation(point[nodes, 0], projection.s)
+        interpolation = self._rail_interpolation(along, projection.s)
         inverse = inverse.ravel()
         line, normal = node % ns, self.rail.normal(rail_s)
         slope = np.einsum("nc,nc->n", axes[:, 0, 1:], normal) * np.einsum("nc,nc->n", axes[:, 2, 1:], normal)
@@ -168,6 +169,10 @@ class ProfilePair:
             ),
             float(penetration.max()),
         )
+
+    def rail_x(self, pose: Pose) -> float:
+        """Place m along the rail of its grid's middle, near the wheel's: after whole cells the rail is the same."""
+        return float(self.rail_strip.size * np.round(pose.origin[0] / self.rail_strip.size))
 
     @cached_property
     def rigid(self) -> RigidWheelRail:

@@ -12,6 +12,7 @@ import numpy as np
 
 from wheelrail.contact.elasticity.solid_compliance import SurfaceCompliance
 from wheelrail.contact.geometry.contact_operators import ContactOperators, pair_operators
+from wheelrail.contact.geometry.profile_pair import ProfilePair
 from wheelrail.contact.geometry.quadric_pair import UPSIDE_DOWN, QuadricPair
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.models.condensed import CondensedContact
@@ -76,8 +77,9 @@ def solid_fields(
 
 def _frames(model: CondensedContact | FullContact, pose: Pose) -> tuple[Pose, Pose]:
     """Axes of both bodies in the frame of the fields; blocks with given radii do not move with the approach."""
-    still = Pose(np.zeros(3), np.eye(3))
-    return (Pose(np.zeros(3), UPSIDE_DOWN) if isinstance(model.geometry, QuadricPair) else pose), still
+    if isinstance(model.geometry, ProfilePair):
+        return pose, Pose(np.array([model.geometry.rail_x(pose), 0.0, 0.0]), np.eye(3))
+    return Pose(np.zeros(3), UPSIDE_DOWN), Pose(np.zeros(3), np.eye(3))
 
 
 def _solve(body: ElasticBody, coupling: ContactOperators, loads: Array) -> Array:

@@ -304,3 +304,18 @@ def test_frictionless_pairs_build_no_slip_operator() -> None:
     for coupling in pair_operators(points, 0):
         assert coupling.slip is None
         assert coupling.displacement.shape[0] == len(points.node)
+
+
+@pytest.mark.parametrize("cells", [11, -11])
+def test_the_rail_is_the_same_along_the_track(cells: int) -> None:
+    """Yaw moves a wheel along its rail, beyond the part that is meshed finely."""
+    pose, grid = left_pose(POSES["turned"], 0.2 * SIZE), geometry("tetrahedron", 1)
+    away = np.array([cells * grid.rail_strip.size, 0.0, 0.0])
+    at = replace(pose, origin=pose.origin + away)
+    (here, approach), (there, same) = grid.contact_points(pose, 2), grid.contact_points(at, 2)
+    assert here is not None
+    assert there is not None
+    assert same == approach
+    np.testing.assert_allclose(there.point - away, here.point, atol=1e-15)
+    np.testing.assert_array_equal(there.rail.nodes, here.rail.nodes)
+    np.testing.assert_allclose(there.rail.weights, here.rail.weights, atol=1e-9)
