@@ -69,7 +69,7 @@ def penetration_outside(case: SampledCase, pose: Pose, bands: list[tuple[float, 
 
 def _profile(surfaces: ProfileStrips, pose: Pose, s: Array) -> tuple[Array, Array]:
     """Largest penetration (n,) m along lines s (n,) m, and the relative curvature (n,) 1/m there."""
-    found, _, curvature = crests(surface_data(surfaces), pose.origin, np.ascontiguousarray(pose.rotation), s)
+    found, _, curvature = crests(surface_data(surfaces), *pose.arrays, s)
     return found.depth, curvature
 
 

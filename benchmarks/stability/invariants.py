@@ -150,7 +150,7 @@ def _level(problem: LatticeProblem, state: LatticeState) -> tuple[Array, float, 
 
     def undeformed(s: Array) -> Array:
         at = problem.motion
-        return penetration(problem.surface, at.origin, at.rotation, s, x).depth
+        return penetration(problem.surface, at.origin, at.rotation, at.plan, s, x).depth
 
     depth = sum(
         (weight / 6 * undeformed(middle + k * width) for k, weight in ((-0.5, 1), (0, 4), (0.5, 1))),

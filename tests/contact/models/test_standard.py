@@ -406,10 +406,10 @@ def test_variants_without_a_tangent() -> None:
 
 
 def test_contact_points_of_a_yawed_wheel_face_the_rail() -> None:
-    # the rail is endless along x, so that its normal, and the wheel's at a contact point, have no part in x
+    # the rail is straight along x, so that its normal, and the wheel's at a contact point, have no part in x
     surfaces = RigidWheelRail(WHEEL, RAIL, 0.46)
     for y in (-3e-3, 0.0, 4e-3, 6.3e-3):
-        pose, _ = MOUNTING.left_pair(replace(STATE, y=y, z=-5e-4, yaw=-0.02))
+        pose, _ = MOUNTING.left_pair(replace(STATE, y=y, z=-5e-4, yaw=-0.02, frame_rate=(0.0, 0.0, 0.0)))
         zones, approach = surfaces.regions(pose)
         assert zones is not None
         assert zones.depth.max() == approach
