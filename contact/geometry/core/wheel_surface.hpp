@@ -53,25 +53,26 @@ struct SeenLine {
     Point<T> forward(double sine, double cosine) const {
         return {forth.y * cosine + upward.y * sine, forth.z * cosine + upward.z * sine};
     }
-    Point<T> up(double sine, double cosine) const {
-        return {forth.y * sine - upward.y * cosine, forth.z * sine - upward.z * cosine};
+    template <class X>
+    auto up(const X& sine, const X& cosine) const {
+        return Point<decltype(T{} * X{})>{forth.y * sine - upward.y * cosine, forth.z * sine - upward.z * cosine};
     }
     // The point, for `up` there.
-    template <class Z>
-    Point<T> place(const Point<Z>& point, double radius, const Point<T>& up) const {
+    template <class Z, class U>
+    Point<U> place(const Point<Z>& point, double radius, const Point<U>& up) const {
         Z r = point.z + radius;
         return {origin.y + r * up.y + axle.y * point.y, origin.z + r * up.z + axle.z * point.y};
     }
     // Its change along the profile with a tangent, for `up` there.
-    template <class Z>
-    Point<T> change(const Point<Z>& tangent, const Point<T>& up, double sine, double cosine) const {
+    template <class Z, class X>
+    Point<T> change(const Point<Z>& tangent, const Point<T>& up, const X& sine, const X& cosine) const {
         Point<T> along{tangent.z * up.y + tangent.y * axle.y, tangent.z * up.z + tangent.y * axle.z};
         if (plan != 0.0) along.y = along.y - bent(tangent, sine, cosine);
         return along;
     }
-    // What the rail's curvature adds to it, beyond that in `up`.
-    template <class Z>
-    T bent(const Point<Z>& tangent, double sine, double cosine) const {
+    // What the rail's curvature takes from it, beyond that in `up`.
+    template <class Z, class X>
+    T bent(const Point<Z>& tangent, const X& sine, const X& cosine) const {
         return plan * (tangent.z * r * (2.0 - cosine) + tangent.y * along_axle * (ahead + r * sine));
     }
 };
@@ -96,10 +97,9 @@ auto seen_on_circle(const OnCurve<Z>& at, double radius, const Pose<P>& pose, co
     using std::sin, std::cos;
     auto place = on_circle(at, radius, pose, x);
     if (pose.plan != 0.0) {
-        auto r = at.point.z + radius;
-        auto ahead = pose.origin.x + at.point.y * pose.rotation.y.x;
+        auto seen = seen_line(at.point, radius, pose);
         X sine = sin(x / radius), cosine = cos(x / radius);
-        place.point.y -= pose.plan * (0.5 * ahead * ahead + ahead * (r * sine) + r * r * (1.0 - cosine));
+        place.point.y = seen.place(at.point, radius, seen.up(sine, cosine)).y;
     }
     return place;
 }

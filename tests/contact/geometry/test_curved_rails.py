@@ -152,3 +152,13 @@ def test_points_of_grids() -> None:
         expected = [(depth[0][node] - depth[1][node]) / 2e-7 for node in points.node[stay].tolist()]
         assert len(stay) > 0.9 * len(points.node)
         np.testing.assert_allclose(changes[k, stay], expected, atol=1e-8)
+
+
+@pytest.mark.parametrize("radius", [-15.0, 15.0])
+def test_derivative_by_yaw_on_a_flange_far_ahead(radius: float) -> None:
+    """The slope along the profile changes with the angle along the circle, too."""
+    contact, state = wheel_on_rail(), in_curve(radius, y=5.6e-3, z=-3e-5, roll=1e-4, yaw=-0.05)
+    after, before = (contact(replace(state, yaw=state.yaw + step), "left") for step in (1e-7, -1e-7))
+    expected = np.array([*(after.force - before.force), *(after.moment - before.moment)]) / 2e-7
+    tangent = np.asarray(contact.tangent(state, "left", contact(state, "left")))[:, 3]
+    np.testing.assert_allclose(tangent, expected, atol=2e-6 * np.abs(expected).max())

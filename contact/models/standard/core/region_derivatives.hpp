@@ -33,12 +33,14 @@ LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const OnCurv
     auto rail = local(pair.rail, known.at, known.piece);
     auto seen = seen_line(line.point, pair.radius, pose);
     auto step = lowest_step(line, pair.radius, seen, sine, cosine, rail);
-    auto along = [&](const Point<T>& up) { return seen.change(line.tangent, up, sine, cosine); };
+    auto along = [&](const Point<T>& up, const T& turn) {  // change of the place with s, after a turn
+        return seen.change(line.tangent, up, T(sine + turn * cosine), T(cosine - turn * sine));
+    };
     auto by_turn = [&](const T& turn, const T& depth, const T& slope) {
         return LineDepth<T>{depth, slope, known.x + pair.radius * turn, line};
     };
     if (!known.held && std::isnan(known.across)) {
-        auto t = along(step.up);
+        auto t = along(step.up, step.turn);
         T slope = t.y * rail.tangent.z - t.z * rail.tangent.y + step.step * (t.y * rail.bend.z - t.z * rail.bend.y);
         return by_turn(step.turn, -step.height, slope);
     }
@@ -48,12 +50,12 @@ LineDepth<T> line_depth(const WheelRail& pair, const Pose<T>& pose, const OnCurv
         T turn = dot(away, forward) / (value(dot(away, up)) - value(r) * squared(value(forward)));
         auto there = away + (r * turn) * forward;
         T depth = std::copysign(1.0, known.depth) * sqrt(dot(there, there));
-        return by_turn(turn, depth, dot(along(up + turn * forward), there) / depth);
+        return by_turn(turn, depth, dot(along(up + turn * forward, turn), there) / depth);
     }
     auto other = local(pair.rail, known.across);
     auto across = lowest_step(line, pair.radius, seen, sine, cosine, other);
     T turn = (step.height - across.height) / (value(r * (across.level - step.level)));
-    auto t = along(up + turn * forward), ahead = forward - turn * up;
+    auto t = along(up + turn * forward, turn), ahead = forward - turn * up;
     auto tangent = [&](const OnCurve<double>& on, const LowestStep<T>& own) {
         T change = (own.beside + r * turn * dot(on.tangent, forward)) / own.second;
         return on.tangent + change * on.bend;
