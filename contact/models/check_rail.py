@@ -93,11 +93,12 @@ class CheckRailContact:
             state: of the wheelset.
             side: of the check rail.
         """
-        hand, k = (1.0 if side == "left" else -1.0), state.frame_rate[2] / state.speed if state.speed else 0.0
+        hand, k = (1.0 if side == "left" else -1.0), abs(state.frame_rate[2] / state.speed) if state.speed else 0.0
+        k = k / (1.0 - k * mounting.rail_y)  # of the inner rail
         y = state.y if state.rail_shift is None else state.y - state.rail_shift[0 if side == "left" else 1][0]
         gap = hand * y + mounting.wheel_y + self.back.y - mounting.rail_y - self.rail.y
         reach = WIDEST * self._edge + mounting.wheel_y * abs(state.yaw)
-        return gap > reach * (abs(state.yaw) + 0.5 * abs(k) * reach) + self._edge * abs(state.roll) + ROOM
+        return gap > reach * (abs(state.yaw) + 0.5 * k * reach) + self._edge * abs(state.roll) + ROOM
 
     def __call__(self, pose: Pose, motion: RigidMotion, guess: ContactResult | None = None) -> ContactResult:
         gap = self._least_gap(pose)
