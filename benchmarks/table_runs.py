@@ -5,11 +5,11 @@ Each yields rows for `benchmarks.vehicle_complete`: name, value, expected value,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
-from time import process_time
+from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
@@ -26,6 +26,7 @@ from wheelrail.support.arrays import Array
 from wheelrail.vehicle.evaluation.running_safety import low_pass
 from wheelrail.vehicle.multibody.coordinates import Y
 from wheelrail.vehicle.simulation.history import History
+from wheelrail.vehicle.simulation.parallel_contact import in_threads
 from wheelrail.vehicle.simulation.time_run import Recording
 
 Row = tuple[str, float, float, float]
@@ -62,15 +63,20 @@ def elastic() -> WheelsetContact:
 
 
 def run(
-    own: RunScene, model: VehicleContact, seconds: float, method: str | None = None, every: float = EVERY
+    own: RunScene,
+    model: VehicleContact,
+    seconds: float,
+    method: str | None = None,
+    every: float = EVERY,
+    clock: Callable[[], float] = process_time,
 ) -> tuple[History, float]:
-    """History of a run, and processor time s of this process."""
-    start = process_time()
+    """History of a run, and its time s by a clock, the processor time of this process."""
+    start = clock()
     if method is not None:
         own = own.model_copy(update={"solver": own.solver.model_copy(update={"method": method})})
     vehicle = vehicle_for_run(own, MANCHESTER)
     history = simulate_on_track(own, vehicle, model, seconds, Recording(every), lambda *_: None)
-    return history, process_time() - start
+    return history, clock() - start
 
 
 def loads(history: History) -> Array:
@@ -103,18 +109,27 @@ def irregular(seconds: float = 1.0) -> Iterator[Row]:
         "table": (contact(), "rosenbrock"),
     }
     found = {name: errors(run(own, by, seconds, method)[0], reference) for name, (by, method) in runs.items()}
-    bare = {name: run(own, by, seconds, method, every=seconds) for name, (by, method) in runs.items()}
-    begun = {name: run(own, by, BEGIN, method, every=BEGIN)[1] for name, (by, method) in runs.items()}
+
+    def bare(model: VehicleContact, method: str, clock: Callable[[], float] = process_time) -> tuple[History, float]:
+        """A run without rows, and its time per second after the start."""
+        _, begun = run(own, model, BEGIN, method, BEGIN, clock)
+        history, spent = run(own, model, seconds, method, seconds, clock)
+        return history, (spent - begun) / (seconds - BEGIN)
+
+    solved = dict[str, int]()
     for name, (lateral, load) in found.items():
-        history, spent = bare[name]
+        history, rate = bare(*runs[name])
+        solved[name] = solves(history)
         yield f"irregular, {name}: RMS error of y, mm", lateral, 0.0, 0.2
         yield f"irregular, {name}: RMS error of loads below 20 Hz, %", load, 0.0, 1.0
         yield f"irregular, {name}: steps", float(history.cost.steps.accepted), 0.0, np.inf
-        rate = (spent - begun[name]) / (seconds - BEGIN)
         yield f"irregular, {name}: processor s per s", rate, 0.0, 0.33 if name == "table" else np.inf
     once, plain = found["once a step"], found["elastic"]
     yield "errors of loads, once a step over elastic", once[1] / plain[1], 0.0, 1.1
-    yield "solves, once a step over elastic", solves(bare["once a step"][0]) / solves(bare["elastic"][0]), 0.0, 0.55
+    yield "solves, once a step over elastic", solved["once a step"] / solved["elastic"], 0.0, 0.55
+    with in_threads(elastic(), 2) as parallel:
+        _, rate = bare(parallel, "rosenbrock_ends", perf_counter)
+    yield "irregular, once a step: wall s per s, two threads", rate, 0.0, 1.5
 
 
 def border(seconds: float = 0.8) -> Iterator[Row]:
