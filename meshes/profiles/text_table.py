@@ -10,7 +10,7 @@ from itertools import pairwise
 
 Cells = list[float | None]  # numbers, NaN for a missing value, None for text
 
-SAMPLE = 400  # lines from which the separator is found
+SAMPLE = 200  # lines from which the separator is found: so many at the start, and as many of the others
 MISSING = re.compile(r"[-+]?nan|n/?a|#n/?a|null|none|-+|\?+|", re.IGNORECASE)
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([ed][-+]?\d+)?|[-+]?inf(inity)?", re.IGNORECASE)
 ANY_VALUE = re.compile(r"\d|\bnan\b|\bn/?a\b", re.IGNORECASE)
@@ -60,8 +60,8 @@ class TextTable:
 def text_table(lines: Sequence[tuple[int, str]]) -> TextTable:
     """Table of numbered lines, split in the way that leaves the most lines with at least two numbers."""
     contents = [(number, COMMENT.sub("", line).strip()) for number, line in lines]
-    stride = max(1, len(lines) // SAMPLE)
-    sample = [content for _, content in contents[::stride]]
+    first, others = contents[:SAMPLE], contents[SAMPLE :: max(1, len(lines) // SAMPLE)]  # lines may alternate
+    sample = [content for _, content in first + others]
     counts = [sum(_has_numbers(style.cells(content)) for content in sample) for style in STYLES]
     style = STYLES[counts.index(max(counts))]
     rows, text = [], []

@@ -27,11 +27,11 @@ MINIPROF = "ProgramName=MiniProf Envision\nDate=12-05-2023\nColumnDef=X,Y,A,C,N\
 VI = "$---UNITS\n[UNITS]\nLENGTH = 'mm'\n[PROFILE_DATA]\n{ y z }\n"
 
 
-def points_of(kind: Kind) -> Array:
-    """Points (n, 2) mm every 0.5 mm along the part that instruments measure."""
+def points_of(kind: Kind, spacing: float = 5e-4) -> Array:
+    """Points (n, 2) mm at a spacing m along the part that instruments measure."""
     curve = CURVES[kind]
     stop = float(curve.s_at_y(59e-3)) if kind == "wheel" else curve.s_range[1] - 1e-3
-    return 1e3 * curve.point(np.arange(curve.s_range[0] + 1e-3, stop, 5e-4))
+    return 1e3 * curve.point(np.arange(curve.s_range[0] + 1e-3, stop, spacing))
 
 
 def rows(points: Array, line: str = "{:.6f} {:.6f}\n") -> str:
@@ -142,6 +142,15 @@ def test_formats_and_origins(tmp_path: Path, suffix: str, kind: Kind, text: str,
     assert len(caught) == (shift < 0.0)
     assert found.measurement is not None
     assert found.measurement.convention
+
+
+@pytest.mark.parametrize("every", [2, 3, 4])
+def test_long_files_may_change_their_separators(tmp_path: Path, every: int) -> None:
+    """As a rail of a public program does in its thousand lines, a tab in every second one."""
+    points = points_of("rail", 1e-4)
+    lines = (f"{y:.5f}{' ' if i % every else chr(9)}{z:.5f}\n" for i, (y, z) in enumerate(points))
+    (tmp_path / "rail.dat").write_text("".join(lines))
+    assert misfit(wr.profile(tmp_path / "rail.dat", "rail"), RAIL, aligned=True) < 3e-6
 
 
 def test_what_was_left_out_is_reported_with_its_line(tmp_path: Path) -> None:
