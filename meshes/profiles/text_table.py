@@ -58,12 +58,9 @@ class TextTable:
 
 
 def text_table(lines: Sequence[tuple[int, str]]) -> TextTable:
-    """Table of numbered lines, split in the way that leaves the most lines with at least two numbers."""
+    """Table of numbered lines, of those with at least two numbers."""
     contents = [(number, COMMENT.sub("", line).strip()) for number, line in lines]
-    first, others = contents[:SAMPLE], contents[SAMPLE :: max(1, len(lines) // SAMPLE)]  # lines may alternate
-    sample = [content for _, content in first + others]
-    counts = [sum(_has_numbers(style.cells(content)) for content in sample) for style in STYLES]
-    style = STYLES[counts.index(max(counts))]
+    style = style_of([content for _, content in contents])
     rows, text = [], []
     for number, content in contents:
         cells = style.cells(content)
@@ -97,6 +94,10 @@ class Style:
     words: str
     split: Callable[[str], list[str]]
     comma: bool = False
+
+    def texts(self, content: str) -> list[str]:
+        """Cells of a line with decimal points."""
+        return [text.replace(",", ".") if self.comma else text for text in self.split(content)]
 
     def cells(self, content: str) -> Cells:
         """Numbers of a line without its comment; none without a second cell."""
@@ -134,6 +135,17 @@ STYLES = (
     Style("blanks, commas and semicolons", lambda line: re.split(r"[\s,;]+", line)),
     Style("blanks and semicolons, decimal commas", lambda line: re.split(r"[\s;]+", line), comma=True),
 )
+
+
+def style_of(lines: Sequence[str]) -> Style:
+    """The style by which the most lines have at least two numbers, and of these the fewest cells are none."""
+    sample = [*lines[:SAMPLE], *lines[SAMPLE :: max(1, len(lines) // SAMPLE)]]  # lines may alternate
+
+    def rank(style: Style) -> tuple[int, int]:
+        rows = [cells for cells in map(style.cells, sample) if _has_numbers(cells)]
+        return len(rows), -sum(cells.count(None) for cells in rows)
+
+    return max(STYLES, key=rank)  # the first of equal ones
 
 
 def column_name(text: str) -> str:

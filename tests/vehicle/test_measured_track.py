@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -175,7 +176,7 @@ def test_files_of_measuring_cars(tmp_path: Path) -> None:
     plain = write(tmp_path / "plain.csv", "s, level", [np.append(S, 600.0), np.zeros(1601)])
     assert len(read_irregularities(plain)[0]) == 1601  # as before
     wrong = write(tmp_path / "wrong.csv", "s, twist [mm]", [S, S])
-    with pytest.raises(IrregularityFileError, match=r"'twist \[mm\]': must be one of .* \(twist: mm/m\)"):
+    with pytest.raises(IrregularityFileError, match=r"'twist \[mm\]': must be one of .* twist: mm/m\)"):
         read_irregularities(wrong)
 
 
@@ -225,3 +226,51 @@ def test_a_scene_takes_a_chord_measurement_in_its_band(tmp_path: Path) -> None:
     found = table.irregularities(180.0).at(LONG)
     inside = (LONG > 300.0) & (LONG < 900.0)
     assert np.abs(found[inside, 1] - true[inside]).max() < 0.01 * np.abs(true).max()
+
+
+STATIONS = np.arange(0.0, 40.0, 0.25)
+LEVELS = 1e-3 * np.stack([np.sin(STATIONS / 3.0), np.cos(STATIONS / 2.0)], axis=1)
+DATE = "12.05.2020"
+HEADS = {"s": "KM [km]", "level_left": "-Top L", "level_right": "-Top R"}
+
+
+SEPARATED = [*product((";", "\t", "; "), ".,", ("", ";")), *product((" ", ",", ", "), ".", ("",))]
+
+
+@pytest.mark.parametrize(("separator", "mark", "end"), SEPARATED)
+def test_files_with_any_separator_and_heads(separator: str, mark: str, end: str, tmp_path: Path) -> None:
+    """As measuring cars write them: kilometres, a date in each row, top positive downwards, other columns between."""
+    blank = "_" if separator == " " else " "
+    heads = [f"Top{blank}R (mm)", "KM", "Date", f"Top{blank}L (mm)", f"Speed{blank}km/h"]
+    lines = [separator.join(heads) + end]
+    for s, (left, right) in zip(STATIONS, LEVELS, strict=True):
+        cells = [f"{-1e3 * right:.6f}", f"{12.0 + 1e-3 * s:.6f}", DATE, f"{-1e3 * left:.6f}", f"{80 + s:.1f}"]
+        lines.append(separator.join(cell if cell == DATE else cell.replace(".", mark) for cell in cells) + end)
+    file = tmp_path / "car.txt"
+    file.write_text("\n".join(lines), encoding="utf-8-sig")
+    named = Measurement(columns={name: head.replace("Top ", f"Top{blank}") for name, head in HEADS.items()})
+    stations, found = read_irregularities(file, named)
+    plain = tmp_path / "plain.csv"
+    rows = (f"{12e3 + s:.6f},{left:.9f},{right:.9f}" for s, (left, right) in zip(STATIONS, LEVELS, strict=True))
+    plain.write_text("s,level_left,level_right\n" + "\n".join(rows))
+    expected = read_irregularities(plain)
+    np.testing.assert_allclose(stations, expected[0], rtol=0, atol=2e-6)
+    np.testing.assert_allclose(found, expected[1], rtol=0, atol=2e-9)
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        ({"s": "KM", "level": "Top"}, "column level 'Top' is missing"),
+        ({"s": "KM", "levl": "A"}, "columns: 'levl': must be one of s, "),
+        ({"s": "KM", "level": "A [inch]"}, "each once, with unit m or mm"),
+        ({"s": "A", "level": "A"}, "column level 'A' is missing"),
+        ({"s": "-KM", "level": "A"}, "each once, with unit"),
+        ({"level": "A"}, "column s is missing"),
+    ],
+)
+def test_heads_that_a_file_does_not_have(columns: dict[str, str], said: str, tmp_path: Path) -> None:
+    (tmp_path / "car.txt").write_text("KM;A\n0;0,001\n1;0,002\n")
+    with pytest.raises(IrregularityFileError) as error:
+        read_irregularities(tmp_path / "car.txt", Measurement(columns=columns))
+    assert said in str(error.value)

@@ -90,11 +90,12 @@ class IrregularityTable(SceneTable):
     """Irregularities from a file, from the spectrum ERRI B176 low or high with a seed, between two wavelengths, m, or
     of joints.
 
-    They are faded in over the first `fade` m. A measured file: the band of wavelengths that is kept, m, chord of the
-    measurement or its parts behind and ahead, m, gaps of chainage, base of the twist, m.
+    They are faded in over the first `fade` m. A measured file: heads of its columns, the band of wavelengths that is
+    kept, m, chord of the measurement or its parts behind and ahead, m, gaps of chainage, base of the twist, m.
     """
 
     file: str | None = None
+    columns: dict[str, str] | None = None
     band: Literal["D1", "D2", "D3"] | Annotated[tuple[q.Wavelength, q.Wavelength], Strict(False)] | None = None
     chord: q.Chord | Annotated[tuple[q.Chord, q.Chord], Strict(False)] | None = None
     gaps: Literal["refuse", "close", "fade"] | None = None
@@ -111,14 +112,7 @@ class IrregularityTable(SceneTable):
         """The file, relative to the scene's folder, as its full path."""
         if value is None:
             return None
-        from wheelrail.scenes.schema.irregularity_file import IrregularityFileError, read_columns
-
-        file = Path((info.context or {}).get("folder", "."), value).resolve()
-        try:
-            read_columns(file)
-        except IrregularityFileError as error:
-            raise q.reject(str(error)) from None
-        return str(file)
+        return str(Path((info.context or {}).get("folder", "."), value).resolve())
 
     @property
     def measurement(self) -> Measurement:
@@ -128,13 +122,16 @@ class IrregularityTable(SceneTable):
 
         band = BANDS[self.band] if isinstance(self.band, str) else self.band
         chord = (0.5 * self.chord, 0.5 * self.chord) if isinstance(self.chord, float) else self.chord
-        return Measurement(band, chord, self.gaps, self.twist_base, self.fade)
+        return Measurement(band, chord, self.gaps, self.twist_base, self.fade, self.columns)
 
     @model_validator(mode="after")
     def _consistent(self) -> IrregularityTable:
         if sum(own is not None for own in (self.file, self.spectrum, self.joints)) != 1:
             raise q.reject("exactly one of file, spectrum and joints is required", "spectrum")
-        for needed, keys in (("spectrum", ("seed", "wavelengths")), ("file", ("band", "chord", "gaps", "twist_base"))):
+        for needed, keys in (
+            ("spectrum", ("seed", "wavelengths")),
+            ("file", ("columns", "band", "chord", "gaps", "twist_base")),
+        ):
             for key in keys:
                 if getattr(self, needed) is None and key in self.model_fields_set:
                     raise q.reject(f"allowed only with {needed}", key)
