@@ -57,13 +57,13 @@ def rolling_row(
         for name, sampled in (("creep", False), ("sampled", True)):
             own = [case for case in cases if (case.contact_forces is None) == sampled]
             if own:
-                errors = [_error(variant, case, against) for case in own]
+                errors = [creep_error(variant, case, against) for case in own]
                 row[f"{name} RMS"] = 100 * rms(np.array(errors))
                 row[f"{name} worst"] = 100 * float(np.abs(errors).max())
     return row
 
 
-def _error(variant: ModelVariant, case: TimedCase, against: Reference) -> Array:
+def creep_error(variant: ModelVariant, case: TimedCase, against: Reference) -> Array:
     """(2,) of the forces, over mu F_n."""
     solve = _solve(variant, case)
     guess = _ok(solve(-1.0, None)) if variant.warm else None

@@ -1,7 +1,7 @@
 """Error over time of a contact solve: lattices and grids, cold and warm, regularised and exact laws, `full` and
 `condensed`, and CONTACT.
 
-python -m benchmarks.error_vs_time [--quick] [--strips] [--seed S] [--picture FILE] [--json FILE]
+python -m benchmarks.error_vs_time [--quick] [--strips] [--ratios] [--seed S] [--picture FILE] [--json FILE]
 """
 
 from __future__ import annotations
@@ -16,12 +16,15 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
+
 from benchmarks.common.machine import machine_description
 from benchmarks.common.measurement import Row
 from benchmarks.common.measurement_tables import Column, table
-from benchmarks.error_vs_time.cases import creep_cases, timing_case
+from benchmarks.error_vs_time.cases import ModelVariant, creep_cases, timing_case
+from benchmarks.error_vs_time.measure import creep_error
 from benchmarks.error_vs_time.plan import measured
-from benchmarks.error_vs_time.reference import WARM_GAIN, contact_rows, extrapolated, long_cell_rows
+from benchmarks.error_vs_time.reference import WARM_GAIN, contact_rows, extrapolated, long_cell_rows, rms
 from benchmarks.error_vs_time.sampled import sampled_cases
 from benchmarks.error_vs_time.wheel_on_rail import ASIDE, DEEPER, FINEST, LATERAL, strip_rows
 from benchmarks.error_vs_time.wheel_on_rail import contact_rows as wheel_contact_rows
@@ -30,6 +33,7 @@ from wheelrail.contact.models.lattice.resolution import LatticeResolution
 
 REFERENCE, QUICK_REFERENCE = LatticeResolution(32, 24), LatticeResolution(24, 24)
 SAMPLED, QUICK_SAMPLED = 40, 4  # random ellipses
+RATIOS = ((0.2, 0.5), (0.5, 2.0), (2.0, 5.0))  # ranges of a/b
 TITLES = {
     "normal": "Normal contact alone",
     "rolling": "Rolling with xi, eta and spin",
@@ -121,6 +125,22 @@ steps of {1e6 * ASIDE:g} um aside and {1e6 * DEEPER:g} um down. Errors: differen
 the tangential force and of the peak pressure of the smaller patch."""
 
 
+def errors_by_ratio(finest: LatticeResolution, count: int, seed: int) -> str:
+    """Table of errors of strips over so many sampled ellipses of each range of a/b."""
+    rows = list[Row]()
+    for k, ratios in enumerate(RATIOS):
+        against = extrapolated(finest, sampled_cases(count, seed + k, ratios), progress)
+        for fineness in (LatticeResolution(6, 10), LatticeResolution()):
+            variant = ModelVariant("lattice", "half-space", fineness)
+            errors = np.array([creep_error(variant, case, against) for case in against.cases[1:]])
+            row: Row = {"a/b": "{} to {}".format(*ratios), "division": variant.division}
+            rows.append({**row, "RMS": 100 * rms(errors), "worst": 100 * float(np.abs(errors).max())})
+    progress("")
+    columns: list[Column] = [("a/b", lambda row: row["a/b"]), *COMMON[1:2]]
+    columns += [_percent(name, "% of mu F_n", "") for name in ("RMS", "worst")]
+    return table(f"{count} sampled ellipses of each range, --seed {seed}", columns, rows)
+
+
 def main() -> None:
     """Measures and prints."""
     parser = argparse.ArgumentParser(
@@ -133,6 +153,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, metavar="S", help="of the sampled ellipses (another one at every call)")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="file for the figure")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all data to a file")
+    parser.add_argument("--ratios", action="store_true", help="errors of strips by the ratio a/b of ellipses, no times")
     arguments = parser.parse_args()
     if "OMP_NUM_THREADS" not in os.environ:
         print("OMP_NUM_THREADS is not set: times may be those of several cores", file=sys.stderr)
@@ -141,6 +162,9 @@ def main() -> None:
     print(machine, flush=True)
     finest, every = (QUICK_REFERENCE, QUICK_EVERY) if arguments.quick else (REFERENCE, EVERY)
     seed = secrets.randbelow(2**31) if arguments.seed is None else arguments.seed
+    if arguments.ratios:
+        print(errors_by_ratio(finest, QUICK_SAMPLED if arguments.quick else SAMPLED, seed))
+        return
     sampled = sampled_cases(QUICK_SAMPLED if arguments.quick else SAMPLED, seed)
     against = extrapolated(finest, (*creep_cases(every), *sampled), progress)
     rows: list[Row] = [
