@@ -1,4 +1,4 @@
-"""Stresses from displacement gradients, and equivalent and principal stresses."""
+"""Stresses from displacement gradients, and equivalent stresses."""
 
 from __future__ import annotations
 
@@ -22,8 +22,3 @@ def von_mises(σ: Array) -> Array:
     """sqrt(3/2 s : s) of stresses (..., 3, 3), s their deviator."""
     s = σ - np.trace(σ, axis1=-2, axis2=-1)[..., None, None] / 3 * np.eye(3)
     return np.asarray(np.sqrt(1.5 * (s * s).sum(axis=(-2, -1))))
-
-
-def principal(σ: Array) -> Array:
-    """Principal stresses (..., 3), the largest first."""
-    return np.asarray(np.linalg.eigvalsh(σ)[..., ::-1])

@@ -16,12 +16,12 @@ from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
 from wheelrail.contact.kinematics.frames import Pose
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.models.lattice.system.surface import surface_data
-from wheelrail.meshes.bodies.solids import wheel_contact_range
+from wheelrail.meshes.bodies.solids import contact_range
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
 
 PENETRATION = 0.55  # of the maximum penetration
-FIRST, LAST = wheel_contact_range(named_profile("S1002"))
+FIRST, LAST = contact_range(named_profile("S1002"))
 LINES = np.linspace(FIRST, LAST, 400)  # m of the wheel's arc
 LOWEST, HIGHEST = -0.05, 0.02  # m, of the depth
 DEEPEST = 1e-3  # m of penetration

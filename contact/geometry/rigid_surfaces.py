@@ -27,7 +27,7 @@ from wheelrail.contact.geometry.interpenetration import (
 )
 from wheelrail.contact.geometry.line_scan import sampled_lines
 from wheelrail.contact.kinematics.frames import Pose
-from wheelrail.meshes.bodies.solids import wheel_contact_range
+from wheelrail.meshes.bodies.solids import contact_range
 from wheelrail.meshes.profiles.profile import Profile
 from wheelrail.support.arrays import Array
 
@@ -85,7 +85,7 @@ class RigidWheelRail:
 
     @cached_property
     def lines(self) -> Lines:
-        return sampled_lines(self.wheel, self.rail, wheel_contact_range(self.wheel), SPACING)
+        return sampled_lines(self.wheel, self.rail, contact_range(self.wheel), SPACING)
 
     def regions(self, pose: Pose) -> tuple[PenetrationRegions | None, float]:
         return profile_regions(self.wheel, self.rail, self.radius, pose, self.lines, self.merge_distance)

@@ -11,7 +11,7 @@ import numpy as np
 
 from wheelrail.contact.elasticity.compliance import Compliance
 from wheelrail.contact.elasticity.solid_compliance import distributed_body, solid_compliance
-from wheelrail.contact.elasticity.waveguide.bodies import HALF_GRID, rail_waveguide, wheel_waveguide
+from wheelrail.contact.elasticity.waveguide.bodies import HALF_GRID, profile_waveguide
 from wheelrail.contact.elasticity.waveguide.influence import ElementInfluence, HalfSpaceInfluence
 from wheelrail.contact.geometry.profile_pair import ProfilePair
 from wheelrail.contact.geometry.strip_surfaces import ProfileStrips
@@ -22,7 +22,7 @@ from wheelrail.contact.models.lattice.influence.strip_operators import StripOper
 from wheelrail.contact.models.surface_memory import check_surface
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.meshes.bodies.outlines import rail_outline, rim_outline, wheel_outline
-from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, rail, rail_contact_range, wheel, wheel_contact_range
+from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, contact_range, profiled
 from wheelrail.meshes.profiles.profile import Profile
 
 if TYPE_CHECKING:
@@ -50,12 +50,9 @@ class ProfileBodies:
     def _check_surfaces(self, how: Discretisation, half_length: float) -> None:
         """Log the memory of surface compliances for a half length [m] if large; raises TooLarge."""
         wheel_profile, rail_profile = self.profiles
-        for body, outline, ends in (
-            ("the wheel", wheel_outline(wheel_profile, self.radius), wheel_contact_range(wheel_profile)),
-            ("the rail", rail_outline(rail_profile), rail_contact_range(rail_profile)),
-        ):
-            strip = Strip.over(outline.surface_range, ends, half_length=half_length, size=how.surface_size)
-            check_surface(body, 2 * strip.half_cells + 1, strip.cells + 1, how)
+        for outline in (wheel_outline(wheel_profile, self.radius), rail_outline(rail_profile)):
+            strip = Strip.on(outline, half_length=half_length, size=how.surface_size)
+            check_surface(f"the {outline.profile.kind}", 2 * strip.half_cells + 1, strip.cells + 1, how)
 
     def half_space_strips(self, how: Discretisation) -> StripOperators:
         return StripOperators(self._strips, *self._half_spaces(how.surface_size))
@@ -63,7 +60,7 @@ class ProfileBodies:
     def _half_spaces(self, size: float) -> Iterator[HalfSpaceInfluence]:
         """Half-spaces under the whole profiles; the wheel's lines are those of its strip, continued."""
         wheel, rail = self.profiles
-        starts = wheel_contact_range(wheel)[0], rail.s_range[0]
+        starts = contact_range(wheel)[0], rail.s_range[0]
         for profile, ordinary, material in zip(self.profiles, starts, self.materials, strict=True):
             first, last = profile.s_range
             start = max(ordinary, first + size)
@@ -88,8 +85,8 @@ class ProfileBodies:
         """Outline of each body, with its compliance, grid and strip. Raises TooLarge."""
         self._check_surfaces(how, HALF_GRID)
         sections = wheel_outline(self.profiles[0], self.radius), rail_outline(self.profiles[1])
-        for section, build, material in zip(sections, (wheel_waveguide, rail_waveguide), self.materials, strict=True):
-            yield section, build(section, material, size=how.surface_size, degree=how.degree)
+        for section, material in zip(sections, self.materials, strict=True):
+            yield section, profile_waveguide(section, material, size=how.surface_size, degree=how.degree)
 
     def solid_grids(self, how: Discretisation) -> tuple[ProfilePair, Compliance, Compliance]:
         surfaces, solids = self._solids(how, lambda build: build())
@@ -116,9 +113,9 @@ class ProfileBodies:
         self._check_surfaces(how, HALF_PATCH)
         size, cell, degree = how.surface_size, how.cell, how.degree
         rim = rim_outline(self.profiles[0], self.radius)
-        wheel_solid, wheel_strip, wheel_key = run(partial(wheel, rim, size=size, cell=cell))
+        wheel_solid, wheel_strip, wheel_key = run(partial(profiled, rim, size=size, cell=cell))
         outline = rail_outline(self.profiles[1], chord_error=min(0.5 * size, 5e-4))
-        rail_solid, rail_strip, rail_key = run(partial(rail, outline, size=size, cell=cell))
+        rail_solid, rail_strip, rail_key = run(partial(profiled, outline, size=size, cell=cell))
         grids = ContactGrid.on(wheel_solid, degree), ContactGrid.on(rail_solid, degree)
         surfaces = ProfilePair(*self.profiles, self.radius, wheel_strip, rail_strip, *grids, degree)
         return surfaces, [(wheel_solid, wheel_key), (rail_solid, rail_key)]

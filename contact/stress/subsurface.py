@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from time import perf_counter
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -95,13 +95,13 @@ class LoadedBody:
             steel: material.
             pose: of the wheel.
         """
-        return cls(pose, True, partial(_profiled, "wheel", outline, steel, pose))
+        return cls(pose, True, partial(_profiled, outline, steel, pose))
 
     @classmethod
     def rail(cls, outline: Outline, steel: Material) -> LoadedBody:
         """Rail of a wheel-rail pair, by outline and material."""
         frame = Pose(np.zeros(3), np.eye(3))
-        return cls(frame, False, partial(_profiled, "rail", outline, steel, frame))
+        return cls(frame, False, partial(_profiled, outline, steel, frame))
 
     @classmethod
     def block(cls, upper: bool, steel: Material) -> LoadedBody:
@@ -190,18 +190,16 @@ def _size(fields: Fields, depths: Array) -> float:
     return float(min(width / ACROSS, max(0.5 * depths.min(), width / FINEST)))
 
 
-def _profiled(
-    kind: Literal["wheel", "rail"], outline: Outline, steel: Material, frame: Pose, fields: Fields, size: float
-) -> WaveguideSection:
-    from wheelrail.contact.elasticity.waveguide.bodies import rail_body, wheel_body
+def _profiled(outline: Outline, steel: Material, frame: Pose, fields: Fields, size: float) -> WaveguideSection:
+    from wheelrail.contact.elasticity.waveguide.bodies import profile_body
 
     on = fields.pressure > 0
     x, y, z = ((fields.point[on] - frame.origin) @ frame.rotation).T
-    section = np.column_stack([y, z if kind == "rail" else np.hypot(x, z)]) - outline.offset
+    section = np.column_stack([y, z if outline.radius is None else np.hypot(x, z)]) - outline.offset
     arc = outline.profile.closest(section).s
     half = 0.5 * fields.width[on] + MARGIN * size
     ends = float((arc - half).min()), float((arc + half).max())
-    return (rail_body if kind == "rail" else wheel_body)(outline, steel, size=size, ends=ends)
+    return profile_body(outline, steel, size=size, ends=ends)
 
 
 def _block(steel: Material, fields: Fields, size: float) -> WaveguideSection:

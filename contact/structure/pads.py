@@ -11,7 +11,7 @@ from wheelrail.contact.elasticity.waveguide.spectrum import interpolation, quadr
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.structure.rigid_section import section_modes
 from wheelrail.meshes.bodies.outlines import Outline
-from wheelrail.meshes.bodies.solids import Strip, body_key, rail_contact_range, section
+from wheelrail.meshes.bodies.solids import Strip, body_key, section
 from wheelrail.meshes.bodies.triangulation import Grading
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cached, digest
@@ -112,7 +112,7 @@ def rail_compliance(outline: Outline, steel: Material, pads: RailPads) -> RailCo
 
 def rail_strip(outline: Outline) -> Strip:
     """Running surface of a rail, over which rigid motions of its section are fitted."""
-    return Strip.over(outline.surface_range, rail_contact_range(outline.profile), half_length=SIZE, size=SIZE)
+    return Strip.on(outline, half_length=SIZE, size=SIZE)
 
 
 def rail_key(kind: str, outline: Outline, steel: Material, pads: RailPads, **further: Any) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.structure.pads import GRADING, SIZE
 from wheelrail.meshes.bodies.outlines import Outline
-from wheelrail.meshes.bodies.solids import Strip, body_key, wheel_contact_range
+from wheelrail.meshes.bodies.solids import Strip, body_key
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cached, digest
 
@@ -46,7 +46,7 @@ def rim_compliance(outline: Outline, steel: Material) -> RimCompliance:
         outline: of the wheel.
         steel: material.
     """
-    strip = Strip.over(outline.surface_range, wheel_contact_range(outline.profile), half_length=SIZE, size=SIZE)
+    strip = Strip.on(outline, half_length=SIZE, size=SIZE)
     section = body_key("wheel section", outline, strip, 0.0, "tetrahedron", GRADING)
     key = digest(kind="rim of a wheel", section=section, E=steel.E, nu=steel.nu)
     stored = cached(f"rims/{key}", lambda: _harmonics(outline, strip, steel), ("rim", "misfit"))

@@ -1,6 +1,5 @@
 from .outlines import rail_outline as rail_outline
 from .outlines import wheel_outline as wheel_outline
 from .solids import block as block
-from .solids import rail as rail
-from .solids import wheel as wheel
+from .solids import profiled as profiled
 from .wheel_web import WheelShape as WheelShape

@@ -68,6 +68,11 @@ class Outline:
             raise ValueError(f"clamped must be two indices of boundary in order, not {self.clamped}")
         self.boundary.setflags(write=False)
 
+    @property
+    def radius(self) -> float | None:
+        """Radius m of the rolling circle of a body of revolution; None: of a rail."""
+        return self.offset[1] if self.profile.kind == "wheel" else None
+
     def surface(self, s: ArrayLike) -> Array:
         """Points (..., 2) m of the running surface at arc length s m of the profile."""
         return np.asarray(self.profile.point(s) + self.offset)

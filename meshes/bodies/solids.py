@@ -102,85 +102,73 @@ class Strip:
         return np.asarray(self.start + np.arange(self.cells + 1) * self.size)
 
     @classmethod
-    def over(
-        cls, surface_range: tuple[float, float], ends: tuple[float, float], *, half_length: float, size: float
-    ) -> Strip:
-        """Strip over the part of a running surface between two arc lengths of the profile.
+    def on(cls, outline: Outline, *, half_length: float, size: float, ends: tuple[float, float] | None = None) -> Strip:
+        """Strip over a part of a running surface.
 
         Parameters:
-            surface_range: arc lengths of the ends of the surface, m.
-            ends: arc lengths of the ends of the part, m.
+            outline: section of the body.
             half_length: along the rolling direction, m.
             size: of the cells, m.
+            ends: arc lengths on the profile of the ends of the part, m; None: the part that contacts.
 
         The number of cells is even, for tetrahedra and hexahedra alike.
         """
-        low, high = surface_range
+        (low, high), ends = outline.surface_range, ends or contact_range(outline.profile)
         start, stop = max(ends[0], low + size), min(ends[1], high - size)
         return cls(start, 2 * int((stop - start) / size / 2), int(np.ceil(half_length / size)), size)
 
 
-def rail_contact_range(profile: Profile) -> tuple[float, float]:
-    """Arc lengths m of a rail that bound contact: 18 mm down the gauge face to 5 mm down the field side."""
-    s = profile.samples(1e-4)
-    z = profile.point(s)[:, 1]
-    gauge, field = s[(s < 0) & (z > -18e-3)], s[(s > 0) & (z > -5e-3)]
-    return float(gauge.min()), float(field.max())
-
-
-def wheel_contact_range(profile: Profile) -> tuple[float, float]:
-    """Arc lengths m of a wheel that bound contact: near the flange tip to the field side of the tread."""
+def contact_range(profile: Profile) -> tuple[float, float]:
+    """Arc lengths m that bound contact: of a rail 18 mm down the gauge face to 5 mm down the field side, of a wheel
+    near the flange tip to the field side of the tread.
+    """
     s = profile.samples(1e-4)
     y, z = profile.point(s).T
-    tip = y[np.argmax(z)]
-    part = s[(y > tip + 7e-3) & (y < 36e-3)]
+    if profile.kind == "rail":
+        part = s[np.where(s < 0, z > -18e-3, z > -5e-3)]
+    else:
+        part = s[(y > y[np.argmax(z)] + 7e-3) & (y < 36e-3)]
     return float(part.min()), float(part.max())
 
 
 # m along the rail: half length sqrt(2 R d / cos g) of a penetration d at a contact angle g, 11 mm on the tread at
 # 150 kN and 18 mm on a flange of 65 degrees at 0.15 mm
 HALF_PATCH = 0.020
+HALF_LENGTH = {"rail": 0.5, "wheel": 0.15}  # m
 
 
-def rail(
-    outline: Outline, *, size: float, half_length: float = 0.5, cell: Cell = "tetrahedron", grading: Grading = FINE
+def profiled(
+    outline: Outline,
+    *,
+    size: float,
+    half_length: float | None = None,
+    cell: Cell = "tetrahedron",
+    grading: Grading = FINE,
 ) -> tuple[Solid, Strip, str]:
-    """Rail section extruded along x, clamped under its foot; its contact strip and its cache key.
+    """Rail extruded along x, clamped under its foot, or sector of a wheel rim, clamped at its inner face; its contact
+    strip and its cache key.
 
     Parameters:
-        outline: section of the rail.
+        outline: section of the rail or the rim.
         size: of the strip's cells, m.
-        half_length: of the body, m.
-        cell: element type.
-        grading: of the element sizes.
-    """
-    strip = Strip.over(outline.surface_range, rail_contact_range(outline.profile), half_length=HALF_PATCH, size=size)
-    key = body_key("rail", outline, strip, half_length, cell, grading)
-    return stored(key, lambda: _extruded(outline, strip, half_length, cell, grading)), strip, key
-
-
-def wheel(
-    outline: Outline, *, size: float, half_length: float = 0.15, cell: Cell = "tetrahedron", grading: Grading = FINE
-) -> tuple[Solid, Strip, str]:
-    """Sector of a wheel rim, clamped at its inner face; its contact strip and its cache key.
-
-    Parameters:
-        outline: section of the rim.
-        size: of the strip's cells, m.
-        half_length: of the sector on the tread, m.
+        half_length: of the rail, or of the sector on the tread, m; None: 0.5 m of a rail, 0.15 m of a wheel.
         cell: element type.
         grading: of the element sizes.
 
     In the wheel's frame: the axle along y through the origin, the middle of the sector at the bottom.
     """
-    strip = Strip.over(outline.surface_range, wheel_contact_range(outline.profile), half_length=HALF_PATCH, size=size)
-    key = body_key("wheel", outline, strip, half_length, cell, grading)
-    radius = outline.offset[1]
-    return (
-        stored(key, lambda: _extruded(outline, strip, half_length, cell, grading).mapped(revolved(radius))),
-        strip,
-        key,
-    )
+    kind, radius = outline.profile.kind, outline.radius
+    length = HALF_LENGTH[kind] if half_length is None else half_length
+    strip = Strip.on(outline, half_length=HALF_PATCH, size=size)
+    key = body_key(kind, outline, strip, length, cell, grading)
+
+    def build() -> Solid:
+        mesh = section(outline, strip, grading=grading, quadrilaterals=cell == "hexahedron")
+        x = layers(strip.half_cells, strip.size, length, largest=2 * grading.largest)
+        solid = extruded(mesh, x, strip.half_cells)
+        return solid if radius is None else solid.mapped(revolved(radius))
+
+    return stored(key, build), strip, key
 
 
 def body_key(kind: str, outline: Outline, strip: Strip, half_length: float, cell: Cell, grading: Grading) -> str:
@@ -224,9 +212,3 @@ def _coarser(start: float, end: float, size: float) -> Array:
     if not steps:
         return np.array([end])
     return np.asarray(start + np.sign(end - start) * np.cumsum(steps) * (length / total))
-
-
-def _extruded(outline: Outline, strip: Strip, half_length: float, cell: Cell, grading: Grading) -> Solid:
-    mesh = section(outline, strip, grading=grading, quadrilaterals=cell == "hexahedron")
-    x = layers(strip.half_cells, strip.size, half_length, largest=2 * grading.largest)
-    return extruded(mesh, x, strip.half_cells)

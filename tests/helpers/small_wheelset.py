@@ -17,7 +17,7 @@ from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.contact.models.wheelset import WheelsetContact
 from wheelrail.meshes.bodies.extrusion import Cell
 from wheelrail.meshes.bodies.outlines import Outline, rail_outline, rim_outline
-from wheelrail.meshes.bodies.solids import rail, wheel
+from wheelrail.meshes.bodies.solids import profiled
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
 
@@ -47,8 +47,8 @@ def outlines() -> tuple[Outline, Outline]:
 @cache
 def geometry(cell: Cell = "tetrahedron", degree: int = 1, size: float = SIZE) -> ProfilePair:
     (wheel_section, rail_section) = outlines()
-    wheel_solid, wheel_strip, _ = wheel(wheel_section, size=size, half_length=0.1, cell=cell)
-    rail_solid, rail_strip, _ = rail(rail_section, size=size, half_length=0.2, cell=cell)
+    wheel_solid, wheel_strip, _ = profiled(wheel_section, size=size, half_length=0.1, cell=cell)
+    rail_solid, rail_strip, _ = profiled(rail_section, size=size, half_length=0.2, cell=cell)
     grids = ContactGrid.on(wheel_solid, degree), ContactGrid.on(rail_solid, degree)
     return ProfilePair(WHEEL, RAIL, RADIUS, wheel_strip, rail_strip, *grids, degree)
 
@@ -56,8 +56,8 @@ def geometry(cell: Cell = "tetrahedron", degree: int = 1, size: float = SIZE) ->
 @cache
 def model(laws: ContactLaws) -> CondensedContact:
     (wheel_section, rail_section) = outlines()
-    wheel_solid, _, wheel_key = wheel(wheel_section, size=SOLVED, half_length=0.1)
-    rail_solid, _, rail_key = rail(rail_section, size=SOLVED, half_length=0.2)
+    wheel_solid, _, wheel_key = profiled(wheel_section, size=SOLVED, half_length=0.1)
+    rail_solid, _, rail_key = profiled(rail_section, size=SOLVED, half_length=0.2)
     above, below = (
         solid_compliance(wheel_solid, wheel_key, Material(), 1),
         solid_compliance(rail_solid, rail_key, Material(), 1),

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from wheelrail.contact.geometry.surface_grid import ContactGrid
 from wheelrail.meshes.bodies.extrusion import Cell, Solid, bulged, layers
 from wheelrail.meshes.bodies.outlines import Outline, rail_outline, rim_outline
-from wheelrail.meshes.bodies.solids import Strip, block, rail, wheel
+from wheelrail.meshes.bodies.solids import Strip, block, profiled
 from wheelrail.meshes.bodies.triangulation import Grading
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
@@ -35,12 +35,12 @@ def outlines() -> tuple[Outline, Outline]:
 
 @cache
 def rail_of(cell: Cell) -> tuple[Solid, Strip, str]:
-    return rail(outlines()[0], size=SIZE, half_length=0.15, cell=cell)
+    return profiled(outlines()[0], size=SIZE, half_length=0.15, cell=cell)
 
 
 @cache
 def wheel_of(cell: Cell) -> tuple[Solid, Strip, str]:
-    return wheel(outlines()[1], size=SIZE, half_length=0.1, cell=cell)
+    return profiled(outlines()[1], size=SIZE, half_length=0.1, cell=cell)
 
 
 def solids(cell: Cell) -> dict[str, Solid]:

@@ -1,7 +1,7 @@
 """Compliance of bodies invariant along x or about an axle, by 2.5D finite elements over wavenumbers.
 
-Only the cross-section is meshed. `rail_waveguide`, `wheel_waveguide` and `block_waveguide` return the compliance and
-the grid of contact points; for rail and wheel also the strip of the surface.
+Only the cross-section is meshed. `profile_waveguide` and `block_waveguide` return the compliance and the grid of
+contact points; for rail and wheel also the strip of the surface.
 """
 
 import lazy_loader

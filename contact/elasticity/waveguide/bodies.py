@@ -15,7 +15,7 @@ from wheelrail.contact.geometry.surface_grid import ContactGrid, invariant_grid
 from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.extrusion import block_section
 from wheelrail.meshes.bodies.outlines import Outline
-from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, body_key, rail_contact_range, section, wheel_contact_range
+from wheelrail.meshes.bodies.solids import HALF_PATCH, Strip, body_key, section
 from wheelrail.meshes.bodies.triangulation import Grading, SectionMesh, triangulate
 from wheelrail.support.arrays import Array
 from wheelrail.support.cache import cached, digest
@@ -45,7 +45,7 @@ Ends = tuple[float, float]
 Parts = tuple[WaveguideCompliance, ContactGrid, Strip]
 
 
-def rail_waveguide(
+def profile_waveguide(
     outline: Outline,
     steel: Material,
     *,
@@ -57,49 +57,41 @@ def rail_waveguide(
     grading: Grading = GRADING,
     tolerance: float = TOLERANCE,
 ) -> Parts:
-    """Endless rail clamped at its foot: compliance, contact grid and strip.
+    """Endless rail clamped at its foot, or whole wheel clamped at its bore: compliance, contact grid and strip.
 
     Parameters:
         outline: of the section.
         steel: material.
         size: m, between contact points along the profile.
-        step: m, between contact points along the rail; None: the size.
+        step: m, between contact points along the rail, or along the rim on the rolling circle; None: the size.
         half_length: m, of the grid to either side.
         ends: m, arc lengths on the profile between which the grid lies; None: the part that contacts.
         degree: of the displacements, 1 or 2.
         grading: of the mesh.
         tolerance: of the interpolation between wavenumbers.
     """
-    strip = Strip.over(
-        outline.surface_range, ends or rail_contact_range(outline.profile), half_length=half_length, size=size
+    strip, radius, step = Strip.on(outline, ends=ends, half_length=half_length, size=size), outline.radius, step or size
+    rows = 2 * int(np.ceil(half_length / step)) + 1
+    grid = invariant_grid(outline.surface(strip.arc), rows, step, radius=radius)
+
+    def mesh() -> SectionMesh:
+        return section(outline, strip, grading=grading)
+
+    kind = f"{outline.profile.kind} section"
+    spectrum = _spectrum(
+        mesh,
+        body_key(kind, outline, replace(strip, half_cells=0), 0.0, "tetrahedron", grading),
+        nu=steel.nu,
+        finest=_finest(strip.size, step),
+        extent=float(np.ptp(outline.polygon(1e-2), axis=0).max()),
+        radius=radius,
+        degree=degree,
+        tolerance=tolerance,
     )
-    return _profiled("rail", outline, strip, None, steel, step or size, half_length, degree, grading, tolerance)
+    return WaveguideCompliance(spectrum, grid.shape, step, radius=radius, scale=1 / steel.E), grid, strip
 
 
-def wheel_waveguide(
-    outline: Outline,
-    steel: Material,
-    *,
-    size: float,
-    step: float | None = None,
-    half_length: float = HALF_GRID,
-    ends: Ends | None = None,
-    degree: int = 2,
-    grading: Grading = GRADING,
-    tolerance: float = TOLERANCE,
-) -> Parts:
-    """Whole wheel clamped at its bore: compliance, contact grid and strip.
-
-    Parameters as for `rail_waveguide`; lengths along the rim are measured on the rolling circle.
-    """
-    strip = Strip.over(
-        outline.surface_range, ends or wheel_contact_range(outline.profile), half_length=half_length, size=size
-    )
-    radius = outline.offset[1]
-    return _profiled("wheel", outline, strip, radius, steel, step or size, half_length, degree, grading, tolerance)
-
-
-def rail_body(
+def profile_body(
     outline: Outline,
     steel: Material,
     *,
@@ -108,21 +100,11 @@ def rail_body(
     degree: int = 2,
     grading: Grading = GRADING,
 ) -> WaveguideSection:
-    """Section of `rail_waveguide`, same lines on its surface, for internal stresses; parameters as there."""
-    return _body(outline, ends or rail_contact_range(outline.profile), None, steel, size, degree, grading)
+    """Section of `profile_waveguide`, same lines on its surface, for internal stresses; parameters as there."""
+    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
 
-
-def wheel_body(
-    outline: Outline,
-    steel: Material,
-    *,
-    size: float,
-    ends: Ends | None = None,
-    degree: int = 2,
-    grading: Grading = GRADING,
-) -> WaveguideSection:
-    """Section of `wheel_waveguide`, same lines on its surface, for internal stresses; parameters as there."""
-    return _body(outline, ends or wheel_contact_range(outline.profile), outline.offset[1], steel, size, degree, grading)
+    strip = Strip.on(outline, ends=ends, half_length=HALF_PATCH, size=size)
+    return WaveguideSection(section(outline, strip, grading=grading), steel, degree=degree, radius=outline.radius)
 
 
 def block_body(
@@ -195,46 +177,6 @@ def block_waveguide(
         scale=1 / (steel.E * size),
     )
     return compliance, ContactGrid(grid.position * size, grid.weight * size**2, grid.stride)
-
-
-def _body(
-    outline: Outline, ends: Ends, radius: float | None, steel: Material, size: float, degree: int, grading: Grading
-) -> WaveguideSection:
-    from wheelrail.contact.elasticity.waveguide.section import WaveguideSection  # imports dolfinx
-
-    strip = Strip.over(outline.surface_range, ends, half_length=HALF_PATCH, size=size)
-    return WaveguideSection(section(outline, strip, grading=grading), steel, degree=degree, radius=radius)
-
-
-def _profiled(
-    kind: str,
-    outline: Outline,
-    strip: Strip,
-    radius: float | None,
-    steel: Material,
-    step: float,
-    half_length: float,
-    degree: int,
-    grading: Grading,
-    tolerance: float,
-) -> Parts:
-    rows = 2 * int(np.ceil(half_length / step)) + 1
-    grid = invariant_grid(outline.surface(strip.arc), rows, step, radius=radius)
-
-    def mesh() -> SectionMesh:
-        return section(outline, strip, grading=grading)
-
-    spectrum = _spectrum(
-        mesh,
-        body_key(f"{kind} section", outline, replace(strip, half_cells=0), 0.0, "tetrahedron", grading),
-        nu=steel.nu,
-        finest=_finest(strip.size, step),
-        extent=float(np.ptp(outline.polygon(1e-2), axis=0).max()),
-        radius=radius,
-        degree=degree,
-        tolerance=tolerance,
-    )
-    return WaveguideCompliance(spectrum, grid.shape, step, radius=radius, scale=1 / steel.E), grid, strip
 
 
 def _finest(spacing: float, step: float) -> float:

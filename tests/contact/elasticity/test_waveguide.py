@@ -17,10 +17,8 @@ from wheelrail.contact.elasticity.waveguide.bodies import (
     GRADING,
     TOLERANCE,
     block_waveguide,
-    rail_body,
-    rail_waveguide,
-    wheel_body,
-    wheel_waveguide,
+    profile_body,
+    profile_waveguide,
 )
 from wheelrail.contact.elasticity.waveguide.compliance import WaveguideCompliance
 from wheelrail.contact.elasticity.waveguide.section import WaveguideSection
@@ -34,7 +32,7 @@ from wheelrail.contact.loading.load_search import find_depth_for_load
 from wheelrail.contact.models.condensed import CondensedContact
 from wheelrail.meshes.bodies.extrusion import block_section, extruded, layers, revolved
 from wheelrail.meshes.bodies.outlines import Outline, rail_outline, rim_outline, wheel_outline
-from wheelrail.meshes.bodies.solids import Strip, rail, rail_contact_range, section, wheel, wheel_contact_range
+from wheelrail.meshes.bodies.solids import Strip, profiled, section
 from wheelrail.meshes.bodies.triangulation import Grading, SectionMesh, triangulate
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
@@ -137,10 +135,10 @@ def test_interpolation_error_bounds_the_true_one(name: str) -> None:
     size = 4e-3
     if name == "rail":
         outline = rail_outline(named_profile("UIC60-benchmark"), chord_error=5e-4)
-        body, around = rail_body(outline, UNIT, size=size), None
+        body, around = profile_body(outline, UNIT, size=size), None
     else:
         outline = wheel_outline(named_profile("S1002"), 0.46)
-        body, around = wheel_body(outline, UNIT, size=size), 2 * np.pi * 0.46
+        body, around = profile_body(outline, UNIT, size=size), 2 * np.pi * 0.46
     shift = 1 / float(np.ptp(outline.polygon(1e-2), axis=0).max())
 
     def spectrum(tolerance: float) -> tuple[ComplianceSpectrum, Array]:
@@ -165,7 +163,7 @@ def test_harmonics_of_a_wheel_are_integers() -> None:
     more.
     """
     outline, size = wheel_outline(named_profile("S1002"), 0.46), 8e-3
-    body = wheel_body(outline, UNIT, size=size)
+    body = profile_body(outline, UNIT, size=size)
     around = 2 * np.pi * 0.46
     kept = sample(body.flexibility, shift=2.5, largest=100.0, step=size, tolerance=1e-5, around=around)
     whole = kept.k * around / (2 * np.pi)
@@ -188,7 +186,7 @@ def test_wheel_is_more_compliant_than_its_rim() -> None:
     outlines = rim_outline(named_profile("S1002"), 0.46), wheel_outline(named_profile("S1002"), 0.46)
     own, relative = [], []
     for outline in outlines:
-        compliance, _, _ = wheel_waveguide(outline, Material(), size=4e-3, half_length=0.02)
+        compliance, _, _ = profile_waveguide(outline, Material(), size=4e-3, half_length=0.02)
         nx, ns = compliance.shape
         node = (nx // 2) * ns + ns // 2
         block = compliance.block(np.array([node, node + ns, node + 2 * ns])).reshape(3, 3, 3, 3)
@@ -293,8 +291,8 @@ def bodies(size: float, **options: object) -> dict[str, tuple[WaveguideComplianc
     made = {}
     rail_part = rail_outline(named_profile("UIC60-benchmark"), chord_error=5e-4)
     wheel_part = wheel_outline(named_profile("S1002"), 0.46)
-    for name, factory, outline in (("rail", rail_waveguide, rail_part), ("wheel", wheel_waveguide, wheel_part)):
-        compliance, grid, _ = factory(outline, Material(), size=size, **options)  # type: ignore[operator]
+    for name, outline in (("rail", rail_part), ("wheel", wheel_part)):
+        compliance, grid, _ = profile_waveguide(outline, Material(), size=size, **options)  # type: ignore[operator]
         made[name] = compliance, grid.position
     return made
 
@@ -339,15 +337,14 @@ def test_three_dimensional_meshes_converge_to_the_waveguide(name: str) -> None:
         outline = rail_outline(named_profile("UIC60-benchmark"), chord_error=5e-4)
         # clamped all round below its running surface, as linear tetrahedra are too stiff for a web
         outline = replace(outline, clamped=(0, len(outline.boundary) - 1))
-        reference, grid, _ = rail_waveguide(outline, Material(), size=2e-3, half_length=0.024)
+        reference, grid, _ = profile_waveguide(outline, Material(), size=2e-3, half_length=0.024)
     else:
         outline = rim_outline(named_profile("S1002"), 0.46)
-        reference, grid, _ = wheel_waveguide(outline, Material(), size=2e-3, half_length=0.024)
+        reference, grid, _ = profile_waveguide(outline, Material(), size=2e-3, half_length=0.024)
     place = grid.position
     errors, sizes = [], (8e-3, 4e-3)
     for size in sizes:
-        mesh = rail if name == "rail" else wheel
-        solid = mesh(outline, size=size, half_length=0.25, grading=Grading(0.7, 0.4, 2 * size))[0]
+        solid = profiled(outline, size=size, half_length=0.25, grading=Grading(0.7, 0.4, 2 * size))[0]
         body = ElasticBody(solid, Material())
         nx, ns = body.grid.shape
         first, last = np.round(np.array([0.4, 0.8]) * 7).astype(int) * round(8e-3 / size)
@@ -370,7 +367,7 @@ def lengthened(half_length: float, degree: int) -> tuple[Array, Array]:
     from wheelrail.contact.elasticity.solid_body import ElasticBody
 
     size, outline = 8e-3, rail_outline(named_profile("UIC60-benchmark"), chord_error=2e-3)
-    strip = Strip.over(outline.surface_range, rail_contact_range(outline.profile), half_length=2 * size, size=size)
+    strip = Strip.on(outline, half_length=2 * size, size=size)
     x = layers(strip.half_cells, size, half_length, growth=1.8, largest=80e-3)
     solid = extruded(section(outline, strip, grading=Grading(1.0, 1.0, 40e-3)), x, strip.half_cells)
     body = ElasticBody(solid, Material(), degree=degree)
@@ -378,7 +375,7 @@ def lengthened(half_length: float, degree: int) -> tuple[Array, Array]:
     line = (ns // 2) // degree * degree
     own = np.array([(nx // 2) * ns + line, (nx // 2 + 2 * degree) * ns + line + 2 * degree])
     found = np.stack([body.respond(own[:1], direction)[0, own[1]] for direction in range(3)], axis=1)
-    reference, grid, _ = rail_waveguide(outline, Material(), size=0.5 * size, half_length=0.02)
+    reference, grid, _ = profile_waveguide(outline, Material(), size=0.5 * size, half_length=0.02)
     distance, place = cKDTree(grid.position.reshape(-1, 3)).query(body.grid.position.reshape(-1, 3)[own])
     assert distance.max() < 1e-9
     return found, reference.block(place)[3:, :3]
@@ -403,7 +400,7 @@ def test_the_whole_wheel_in_three_dimensions() -> None:
     radius, size = 0.46, 8e-3
     outline, half = wheel_outline(named_profile("S1002"), radius), np.pi * radius
     step = half / round(half / (0.5 * size))
-    reference, grid, _ = wheel_waveguide(outline, Material(), size=0.5 * size, step=step, half_length=half)
+    reference, grid, _ = profile_waveguide(outline, Material(), size=0.5 * size, step=step, half_length=half)
     found = [
         turned_wheel(outline, size, largest=largest, section_size=inner)
         for largest, inner in ((0.2, 0.06), (0.12, 0.04))
@@ -429,7 +426,7 @@ def turned_wheel(outline: Outline, size: float, *, largest: float, section_size:
 
     radius = outline.offset[1]
     half = np.pi * radius
-    strip = Strip.over(outline.surface_range, wheel_contact_range(outline.profile), half_length=2 * size, size=size)
+    strip = Strip.on(outline, half_length=2 * size, size=size)
     mesh = section(outline, strip, grading=Grading(1.0, 1.0, section_size))
     x = layers(strip.half_cells, size, half, growth=1.6, largest=largest)
     whole = extruded(mesh, x, strip.half_cells)
@@ -487,7 +484,7 @@ def test_spectra_are_cached_and_damaged_ones_rebuilt(tmp_path: Path, monkeypatch
 
 def test_grid_weights_measure_the_surface() -> None:
     outline = wheel_outline(named_profile("S1002"), 0.46)
-    _, grid, strip = wheel_waveguide(outline, Material(), size=2e-3, step=1e-3, half_length=0.01)
+    _, grid, strip = profile_waveguide(outline, Material(), size=2e-3, step=1e-3, half_length=0.01)
     points = outline.surface(strip.arc)
     ring = np.hypot(*np.diff(points, axis=0).T) @ (points[1:, 1] + points[:-1, 1]) / 2
     assert grid.weight[0].sum() == pytest.approx(ring * 1e-3 / 0.46, rel=1e-12)

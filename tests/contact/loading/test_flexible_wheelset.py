@@ -31,7 +31,7 @@ from wheelrail.contact.structure.padded_section import PaddedSection
 from wheelrail.contact.structure.pads import RailPads, rail_compliance
 from wheelrail.meshes.bodies.axle import AxleShape
 from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
-from wheelrail.meshes.bodies.solids import Strip, rail_contact_range, section
+from wheelrail.meshes.bodies.solids import Strip, section
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
 
@@ -301,7 +301,7 @@ def test_refuses_to_start_without_contact() -> None:
 def contact_on_padded_spectrum() -> WheelsetContact:
     """The pads in the spectrum of the rail itself: no motions of the rail as unknowns."""
     outline, size = rail_outline(PROFILES[1]), 1e-3
-    strip = Strip.over(outline.surface_range, rail_contact_range(outline.profile), half_length=size, size=size)
+    strip = Strip.on(outline, half_length=size, size=size)
     mesh = section(outline, strip, grading=GRADING)
     along, lateral, vertical = (stiffness / STEEL.E for stiffness in RailPads().per_length)
     body = PaddedSection(mesh, Material(1.0, STEEL.nu), (along, lateral, vertical))

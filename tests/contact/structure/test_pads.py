@@ -19,7 +19,7 @@ from wheelrail.contact.structure.padded_section import PaddedSection
 from wheelrail.contact.structure.pads import RailPads, rail_compliance
 from wheelrail.forms import compat
 from wheelrail.meshes.bodies.outlines import rail_outline
-from wheelrail.meshes.bodies.solids import Strip, rail_contact_range, section
+from wheelrail.meshes.bodies.solids import Strip, section
 from wheelrail.meshes.bodies.triangulation import Grading
 from wheelrail.meshes.profiles.named import named_profile
 from wheelrail.support.arrays import Array
@@ -31,7 +31,7 @@ AREA, INERTIA, LATERAL_INERTIA, TORSION = 76.70e-4, 3038.3e-8, 512.3e-8, 2.1e-6
 
 
 def padded(pads: RailPads) -> PaddedSection:
-    strip = Strip.over(OUTLINE.surface_range, rail_contact_range(OUTLINE.profile), half_length=4e-3, size=4e-3)
+    strip = Strip.on(OUTLINE, half_length=4e-3, size=4e-3)
     return PaddedSection(section(OUTLINE, strip, grading=Grading(1.0, 0.4, 8e-3)), STEEL, pads.per_length)
 
 
