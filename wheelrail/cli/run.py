@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -120,14 +120,7 @@ def modes(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None) -
 
     Of the plane wagon of the scene, or of a vehicle file.
     """
-    checked = load_run(scene)
-    from wheelrail.scenes.datasets.result_table import Results
-    from wheelrail.scenes.runs.steady import modes_of, modes_table
-
-    speeds = speed or [checked.vehicle.first_speed]
-    with computing(f"{scene}: ", "contact and equilibrium"):
-        modes_by_speed = modes_of(checked, vehicle, speeds)
-    print_results(Results("modes", list(map(modes_table, modes_by_speed, speeds))))
+    _print_steady("modes", scene, speed, vehicle)
 
 
 @app.command()
@@ -136,28 +129,32 @@ def curving(scene: SceneFile, speed: Speeds = None, vehicle: VehicleFile = None)
 
     Of the plane wagon of the scene, or of a vehicle file.
     """
-    checked = load_run(scene)
-    from wheelrail.scenes.datasets.result_table import Results
-    from wheelrail.scenes.runs.steady import curve_of, equilibria_of, equilibrium_tables
-
-    speeds = speed or [checked.vehicle.first_speed]
-    with computing(f"{scene}: ", "contact and equilibrium"):
-        curve = curve_of(checked)
-        states = equilibria_of(checked, vehicle, speeds, curve)
-    print_results(Results("curving", [table for at in states for table in equilibrium_tables(at, curve)]))
+    _print_steady("curving", scene, speed, vehicle)
 
 
 @app.command()
 def equilibrium(scene: SceneFile, vehicle: NeededVehicleFile, speed: Speeds = None) -> None:
     """Equilibrium of a vehicle in three dimensions on straight track: wheel loads, attitude of all bodies."""
+    _print_steady("equilibrium", scene, speed, vehicle)
+
+
+def _print_steady(
+    what: Literal["modes", "curving", "equilibrium"], scene: Path, speed: list[float] | None, vehicle: Path | None
+) -> None:
+    """Print the tables of all speeds m/s, by default of the scene's."""
     checked = load_run(scene)
     from wheelrail.scenes.datasets.result_table import Results
-    from wheelrail.scenes.runs.steady import equilibria_of, equilibrium_tables
+    from wheelrail.scenes.runs.steady import curve_of, equilibria_of, equilibrium_tables, modes_of, modes_table
 
     speeds = speed or [checked.vehicle.first_speed]
     with computing(f"{scene}: ", "contact and equilibrium"):
-        states = equilibria_of(checked, vehicle, speeds)
-    print_results(Results("equilibrium", [table for at in states for table in equilibrium_tables(at)]))
+        if what == "modes":
+            tables = list(map(modes_table, modes_of(checked, vehicle, speeds), speeds))
+        else:
+            curve = curve_of(checked) if what == "curving" else None
+            states = equilibria_of(checked, vehicle, speeds, curve)
+            tables = [table for at in states for table in equilibrium_tables(at, curve)]
+    print_results(Results(what, tables))
 
 
 @app.command()

@@ -144,13 +144,7 @@ def side_fields(
 ) -> Iterator[tuple[str, bool, list[BodyFields]]]:
     """Name of each body, flag of the upper one, and its fields: whole, on the lateral and longitudinal cut.
 
-    Parameters:
-        scene: of the contact.
-        side: "left", "right" or "contact".
-        solved: solution of the side.
-        names: of the bodies.
-        report_progress: called with a text at every stage.
-
+    Parameters as for `view_side`, and names of the bodies.
     Raises SceneError for the standard model, RunFailed without contact.
     """
     from wheelrail.contact.stress.waveguide_fields import internal_fields
@@ -265,14 +259,7 @@ def vehicle_of_run(data: Dataset, file: Path) -> Vehicle:
 
 
 def bodies_of_run(data: Dataset, file: Path) -> RunBodies:
-    """Profiles of wheel and inclined rail and the mounting, from the scene of a run.
-
-    Parameters:
-        data: Dataset of the run.
-        file: results, for errors; of an earlier version, paths in the scene are relative to its folder.
-
-    Raises SceneError if files of the scene are missing.
-    """
+    """Profiles of wheel and inclined rail and the mounting; parameters and errors as for `scene_of_run`."""
     return bodies_of_scene(scene_of_run(data, file))
 
 
