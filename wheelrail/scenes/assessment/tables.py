@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Sequence
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -95,20 +95,17 @@ def zone_table(found: Assessment) -> ResultTable:
     return ResultTable("zones", title, ZONE_COLUMNS, rows)
 
 
-ZONE_COLUMNS = tuple(
-    Column(name, label, itemgetter(name), unit, digits)
-    for name, label, unit, digits in (
-        ("zone", "zone", "", None),
-        ("text", "conditions", "", None),
-        ("count", "sections", "1", None),
-        ("needed", "needed", "1", None),
-        ("length", "mean length", "m", 1),
-        ("radius", "mean radius", "m", 0),
-        ("least_deficiency", "least cant deficiency", "mm", 0),
-        ("greatest_deficiency", "greatest cant deficiency", "mm", 0),
-        ("greatest_speed", "greatest speed", "m/s", 1),
-        ("source", "source", "", None),
-    )
+ZONE_COLUMNS = Column.items(
+    ("zone", "zone", "", None),
+    ("text", "conditions", "", None),
+    ("count", "sections", "1", None),
+    ("needed", "needed", "1", None),
+    ("length", "mean length", "m", 1),
+    ("radius", "mean radius", "m", 0),
+    ("least_deficiency", "least cant deficiency", "mm", 0),
+    ("greatest_deficiency", "greatest cant deficiency", "mm", 0),
+    ("greatest_speed", "greatest speed", "m/s", 1),
+    ("source", "source", "", None),
 )
 
 

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, isnan
+from operator import itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,11 @@ class Column:
     of: Callable[[Any], Any]
     unit: str = ""
     digits: int | None = None
+
+    @classmethod
+    def items(cls, *rows: tuple[str, str, str, int | None]) -> tuple[Column, ...]:
+        """Columns of mappings: name, label, unit and digits of each."""
+        return tuple(cls(name, label, itemgetter(name), unit, digits) for name, label, unit, digits in rows)
 
     @classmethod
     def showing(cls, quantity: Quantity, of: Callable[[Any], Any], name: str = "") -> Column:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from operator import attrgetter, itemgetter
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -112,13 +112,10 @@ def sway_results(sways: Sequence[Sway]) -> Results:
     return Results("sway", [ResultTable("bodies", title, columns, sways)])
 
 
-COLUMNS = tuple(
-    Column(name, label, itemgetter(name), unit, digits)
-    for name, label, unit, digits in (
-        ("track", "twist of", "", None),
-        ("wheelset", "wheelset", "", None),
-        ("cross_level", "cross level", "mm", 2),
-        ("wheel_load", "wheel load Q", "kN", 2),
-        ("unloading", "unloading", "%", 1),
-    )
+COLUMNS = Column.items(
+    ("track", "twist of", "", None),
+    ("wheelset", "wheelset", "", None),
+    ("cross_level", "cross level", "mm", 2),
+    ("wheel_load", "wheel load Q", "kN", 2),
+    ("unloading", "unloading", "%", 1),
 )

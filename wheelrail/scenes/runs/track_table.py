@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from itertools import accumulate
 from math import tan
-from operator import itemgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -95,27 +94,21 @@ def quality_tables(scene: RunScene) -> list[ResultTable]:
     return [ResultTable("quality", title, QUALITY_COLUMNS, rows)]
 
 
-QUALITY_COLUMNS = tuple(
-    Column(name, label, itemgetter(name), unit, digits)
-    for name, label, unit, digits in (
-        ("start", "from", "m", 1),
-        ("end", "to", "m", 1),
-        *((f"level_{band}", f"level {band}", "mm", 2) for band in BANDS),
-        ("level_class", "class", "", None),
-        *((f"alignment_{band}", f"alignment {band}", "mm", 2) for band in BANDS),
-        ("alignment_class", "class", "", None),
-    )
+QUALITY_COLUMNS = Column.items(
+    ("start", "from", "m", 1),
+    ("end", "to", "m", 1),
+    *((f"level_{band}", f"level {band}", "mm", 2) for band in BANDS),
+    ("level_class", "class", "", None),
+    *((f"alignment_{band}", f"alignment {band}", "mm", 2) for band in BANDS),
+    ("alignment_class", "class", "", None),
 )
-COLUMNS = tuple(
-    Column(name, label, itemgetter(name), unit, digits)
-    for name, label, unit, digits in (
-        ("segment", "segment", "", None),
-        ("start", "from", "m", 1),
-        ("end", "to", "m", 1),
-        ("radius", "radius", "m", 1),
-        ("cant", "cant", "mm", 0),
-        ("gradient", "gradient", "‰", 1),
-        ("speed", "speed", "m/s", 1),
-        ("cant_deficiency", "cant deficiency", "mm", 0),
-    )
+COLUMNS = Column.items(
+    ("segment", "segment", "", None),
+    ("start", "from", "m", 1),
+    ("end", "to", "m", 1),
+    ("radius", "radius", "m", 1),
+    ("cant", "cant", "mm", 0),
+    ("gradient", "gradient", "‰", 1),
+    ("speed", "speed", "m/s", 1),
+    ("cant_deficiency", "cant deficiency", "mm", 0),
 )
