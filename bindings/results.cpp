@@ -1,5 +1,5 @@
 // Python's face of sums over patches.
-#include <nanobind/stl/array.h>
+#include <nanobind/stl/pair.h>
 
 #include "contact/models/lattice/core/patches.hpp"
 #include "contact/results/core/patch_moments.hpp"
@@ -10,8 +10,16 @@ using namespace nanobind::literals;
 
 namespace {
 
-void require_bounds(const Numbers& square, const Numbers& bounds) {
-    require(bounds.size() == square.size() + 1, "bounds: must be one more than strips");
+// Bind a function of the squared lengths of adjacent strips and their lateral bounds.
+template <class Function>
+void bind_bounded(nb::module_& m, const char* name, Function function, const char* text) {
+    m.def(
+        name,
+        [function](Numbers square, Numbers bounds) {
+            require(bounds.size() == square.size() + 1, "bounds: must be one more than strips");
+            return function(square, bounds);
+        },
+        "square"_a, "bounds"_a, text);
 }
 
 PatchSums on_material(PatchSums sums, const BodyDisplacements& of, Numbers s, Numbers load) {
@@ -64,31 +72,18 @@ void bind_results(nb::module_& m) {
     m.def("on_material", &on_material, "sums"_a, "displacements"_a, "s"_a, "load"_a,
           "Sums of a patch with positions on the profiles of the material that touches, and the slope of the common "
           "surface: displacements of its n points or strips, their arc length s (n,) m on the wheel, load (n,) N.");
-    m.def(
-        "patch_area",
+    bind_bounded(m, "patch_area", &patch_area,
+                 "Area m2 of adjacent strips: squares (S,) m2 of their lengths, lateral bounds (S + 1,) m.");
+    bind_bounded(
+        m, "lateral_ends",
         [](Numbers square, Numbers bounds) {
-            require_bounds(square, bounds);
-            return patch_area(square, bounds);
+            auto [low, high] = lateral_ends(square, bounds);
+            return std::pair{low, high};
         },
-        "square"_a, "bounds"_a,
-        "Area m2 of adjacent strips: squares (S,) m2 of their lengths, lateral bounds (S + 1,) m.");
-    m.def(
-        "lateral_ends",
-        [](Numbers square, Numbers bounds) {
-            require_bounds(square, bounds);
-            return nb::typed<nb::tuple, double, double>(
-                nb::make_tuple(lateral_ends(square, bounds)[0], lateral_ends(square, bounds)[1]));
-        },
-        "square"_a, "bounds"_a, "Lateral ends m of the contact; parameters as for `patch_area`.");
-    m.def(
-        "stick_area",
-        [](Numbers square, Numbers bounds) {
-            require_bounds(square, bounds);
-            return stick_area(square, bounds);
-        },
-        "square"_a, "bounds"_a,
-        "Area m2 of stick zones from the squares (S,) m2 of their lengths in adjacent strips, zero where they slip, "
-        "with lateral bounds (S + 1,) m.");
+        "Lateral ends m of the contact; parameters as for `patch_area`.");
+    bind_bounded(m, "stick_area", &stick_area,
+                 "Area m2 of stick zones from the squares (S,) m2 of their lengths in adjacent strips, zero where they "
+                 "slip, with lateral bounds (S + 1,) m.");
     m.def(
         "stick_lengths",
         [](Rows margin, Rows length) {
