@@ -19,6 +19,7 @@ from wheelrail.vehicle.steady.steady_problem import SteadyProblem
 from wheelrail.vehicle.track.track import Track
 
 TO_AND_FRO = 4.0  # damping of Newton's method over the residual: steps of at most a quarter of the largest ones
+NEWTON_STEPS = 60
 
 
 class EquilibriumError(RuntimeError):
@@ -54,7 +55,6 @@ def equilibrium(
     near: WheelContacts | None = None,
     tolerance: float = 1e-7,
     acceptable: float = 1e-4,
-    max_iterations: int = 60,
 ) -> Equilibrium:
     """State without acceleration at constant speed, curvature, cant, gradient, torques and forces on smooth rails.
 
@@ -65,7 +65,6 @@ def equilibrium(
         near: results of contacts near the guess, from which theirs start.
         tolerance: of the residual.
         acceptable: residual that is accepted when the iteration stalls, limited by the accuracy of the contact.
-        max_iterations: Newton steps.
 
     Damped Newton with the contact's tangent or, without one, with differences of the contact. The damping decreases
     with the residual (pseudo-transient continuation), to pass the steep rise of the force at a flange. If the iteration
@@ -86,7 +85,7 @@ def equilibrium(
     for number, start in enumerate(starts, start=1):
         contacts = near if number == 1 and guess is not None else None
         try:
-            found = _newton(problem, start(), contacts, tolerance, acceptable, max_iterations)
+            found = _newton(problem, start(), contacts, tolerance, acceptable)
             return replace(found, state=problem.settled(found.state))
         except (StepFailure, StepTooSmall, EquilibriumError) as error:
             if number == len(starts):
@@ -129,16 +128,11 @@ def equilibrium_near(
 
     Raises EquilibriumError, StepFailure.
     """
-    return _newton(SteadyProblem(dynamics, time), guess, near, tolerance, acceptable, 60)
+    return _newton(SteadyProblem(dynamics, time), guess, near, tolerance, acceptable)
 
 
 def _newton(
-    problem: SteadyProblem,
-    state: Array,
-    near: WheelContacts | None,
-    tolerance: float,
-    acceptable: float,
-    max_iterations: int,
+    problem: SteadyProblem, state: Array, near: WheelContacts | None, tolerance: float, acceptable: float
 ) -> Equilibrium:
     """Newton's method from one start, with contacts from nearby results.
 
@@ -147,7 +141,7 @@ def _newton(
     contacts = problem.contacts(state, near)
     residual = problem.residual(state, contacts)
     damping, best = 0.0, Equilibrium(problem.dynamics, problem.time, state, contacts, 0, _size(residual))
-    for iteration in range(1, max_iterations + 1):
+    for iteration in range(1, NEWTON_STEPS + 1):
         stalled = best.residual <= acceptable and iteration > best.iterations + 4
         if best.residual <= tolerance or stalled:
             return best
@@ -161,7 +155,7 @@ def _newton(
             best = replace(best, state=state, contacts=contacts, iterations=iteration, residual=_size(residual))
     if best.residual <= acceptable:
         return best
-    raise EquilibriumError(f"residual of {best.residual:.3g} wheel loads after {max_iterations} Newton steps")
+    raise EquilibriumError(f"residual of {best.residual:.3g} wheel loads after {NEWTON_STEPS} Newton steps")
 
 
 def _step(

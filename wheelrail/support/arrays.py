@@ -1,4 +1,4 @@
-"""Types of arrays: `Array` of floats, `Single` in single precision, `Complex`, `Nodes` (indices), `Mask` (booleans)."""
+"""Types of arrays: `Array` of floats, `Complex`, `Nodes` (indices), `Mask` (booleans)."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Single = NDArray[np.float32]
 Complex = NDArray[np.complex128]
 Nodes = NDArray[np.int64]
 Mask = NDArray[np.bool_]

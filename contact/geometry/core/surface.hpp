@@ -253,30 +253,4 @@ auto shift_at(const Vec<T>& point, const Vec<T>& along, const Vec<T>& across, co
                     sum(times(0.5 * along, own + other))};
 }
 
-// Rigid tangential velocity (n, 2) m/s of the upper relative to the lower body, and its derivative (n, 2) along x; the
-// mean velocity (n,) m/s of both in the longitudinal axes; level (n, 3): longitudinal axes where the strips touch.
-inline std::tuple<Array<double, 2>, Array<double, 2>, Array<double, 1>> rigid_shift(const SurfaceFrames& places,
-                                                                                    const Rows& level,
-                                                                                    const Motion& motion) {
-    long n = places.size();
-    Array<double, 2> shift(n, 2), slope(n, 2);
-    Array<double, 1> flow(n);
-    auto velocities = motion.velocities();
-    auto along_x = [](const Vec<double>& a, const Vec<double>& change) {
-        using T = Dual<1>;
-        return Vec<T>{variable<T>(a.x, 0, change.x), variable<T>(a.y, 0, change.y), variable<T>(a.z, 0, change.z)};
-    };
-    auto turn = vec_of(places.turn);
-    for (long i = 0; i < n; ++i) {
-        auto axes = places.axes[i];
-        auto along = vec_of(axes[0]), across = vec_of(axes[1]);
-        auto at =
-            shift_at(along_x(vec_of(places.point[i]), vec_of(places.forward[i])), along_x(along, cross(turn, along)),
-                     along_x(across, cross(turn, across)), vec_of(level[i]), velocities);
-        shift(i, 0) = at.along.v, shift(i, 1) = at.across.v, flow(i) = at.flow.v;
-        slope(i, 0) = at.along.d[0], slope(i, 1) = at.across.d[0];
-    }
-    return {shift, slope, flow};
-}
-
 }  // namespace wr

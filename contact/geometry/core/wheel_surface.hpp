@@ -118,12 +118,6 @@ inline void write_frame(const Place<double>& at, const View<double, 2>& points, 
     store(axes[i][0], at.forward), store(axes[i][1], at.lateral()), store(axes[i][2], at.normal);
 }
 
-// Write point and axes at s, x m on a wheel, arc length on the profile and along the rolling circle, into row i.
-inline void wheel_place(const Shape& wheel, double radius, const Pose<double>& pose, double s, double x,
-                        const View<double, 2>& points, const View<double, 3>& axes, long i) {
-    write_frame(on_circle(local(wheel, s), radius, pose, x), points, axes, i);
-}
-
 // Points (n, 3) m and axes (n, 3, 3) at s, x (n,) m on a wheel, s limited to the profile's ends.
 inline std::tuple<Array<double, 2>, Array<double, 3>> wheel_points(const Shape& wheel, double radius,
                                                                    const Pose<double>& pose, const Numbers& s,

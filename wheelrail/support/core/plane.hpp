@@ -12,7 +12,6 @@ struct Point {
 };
 
 inline Point<double> point_of(const std::complex<double>& c) { return {c.real(), c.imag()}; }
-inline std::complex<double> complex_of(const Point<double>& a) { return {a.y, a.z}; }
 
 template <class A, class B>
 auto operator+(const Point<A>& a, const Point<B>& b) {
