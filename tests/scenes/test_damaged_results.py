@@ -237,6 +237,6 @@ def test_files_of_other_programs_that_end_the_library(
     for place, value in changed.items():
         content[place] = value
     file.write_bytes(content)
-    monkeypatch.setattr("wheelrail.scenes.datasets.netcdf.PATIENCE", 4.0)
+    monkeypatch.setattr("wheelrail.scenes.datasets.netcdf.PATIENCE", 2.0)
     with pytest.raises(wr.SceneError, match=r"other\.nc: not a readable NetCDF file, it may be damaged"):
         read(file)

@@ -161,7 +161,7 @@ def test_mirrored_runs_are_mirror_images_to_the_last_bit(kind: str) -> None:
     steps = StepSettings("rosenbrock", 3e-3, 3e-5)
     for hand in (1.0, -1.0):
         track = Track.curve(curvature=hand / 600, cant=0.06, transition=15.0, length=50.0)
-        runs.append(simulate(VehicleDynamics(vehicle, track, contact, 45.0, structures), (0.0, 0.05), steps=steps))
+        runs.append(simulate(VehicleDynamics(vehicle, track, contact, 45.0, structures), (0.0, 0.03), steps=steps))
     left, right = runs
     np.testing.assert_array_equal(right.time, left.time)
     d = left.dynamics
