@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial.legendre import leggauss, legint, legval, legvander
 
 from wheelrail.meshes.curves.curve import DEGREE, Curve
 from wheelrail.support.arrays import Array, Complex
@@ -18,11 +20,16 @@ Function = Callable[[Array], Complex]
 
 TOLERANCE = 1e-15  # m, of a polynomial piece against its section; the coordinates themselves carry about 1e-17 m
 GAP = 1e-6  # m, largest gap between sections that is attributed to rounding of their coordinates
-ROUNDING = 1e-15  # of a piece, change of the parameter that is rounding
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)  # type: ignore[no-untyped-call]
+ROUNDING = 1e-15  # of half a piece, change of the parameter that is rounding
+TERMS = 24  # of the speed of a piece: three times as many as of its position
+_NODES, _WEIGHTS = leggauss(TERMS)  # type: ignore[no-untyped-call]
+_TO_SERIES = _WEIGHTS[:, None] * legvander(_NODES, TERMS - 1) * (np.arange(TERMS) + 0.5)  # type: ignore[no-untyped-call]
+_integrated: Callable[..., Array] = partial(legint, lbnd=-1.0, axis=1)
+_summed: Callable[..., Array] = partial(legval, tensor=False)
 _LOBATTO = -np.cos(np.pi * np.arange(DEGREE + 1) / DEGREE)
 _TO_POWERS = np.linalg.inv(np.vander(_LOBATTO, increasing=True))
 _BETWEEN = 0.5 * (_LOBATTO[1:] + _LOBATTO[:-1])
+_PLACES = np.concatenate([_LOBATTO, [0.0], _BETWEEN])  # of a piece, from -1 to 1
 
 
 @dataclass(frozen=True)
@@ -135,20 +142,14 @@ def fitted(section: CurveSegment) -> tuple[Array, Complex]:
     start, stop = knots[:-1, None], knots[1:, None]
     done: list[tuple[Array, Array, Complex]] = []
     for _ in range(12):
-        length = _travelled(section, start, stop)
-        half = 0.5 * length
-
-        def at(u: Array, a: Array = start, b: Array = stop, length: Array = length, half: Array = half) -> Complex:
-            return section.position(_parameter(section, a, b, length, half * (1.0 + u)))
-
-        values = at(_LOBATTO)
-        middle = at(np.zeros(1))
+        length, rest, parameter = _by_length(section, start, stop)
+        values, middle, expected = np.split(section.position(parameter), [DEGREE + 1, DEGREE + 2], axis=1)
         powers = (values - middle) @ _TO_POWERS.T
         between = middle + (powers[:, None, :] * np.vander(_BETWEEN, DEGREE + 1, increasing=True)).sum(axis=2)
-        bad = np.abs(between - at(_BETWEEN)).max(axis=1) > TOLERANCE
+        bad = np.maximum(np.abs(between - expected).max(axis=1), rest) > TOLERANCE
         powers[:, 0] += middle[:, 0]
-        coefficients = powers / half ** np.arange(DEGREE + 1)
-        done.append((start[~bad, 0], length[~bad, 0], coefficients[~bad]))
+        coefficients = powers / (0.5 * length[:, None]) ** np.arange(DEGREE + 1)
+        done.append((start[~bad, 0], length[~bad], coefficients[~bad]))
         if not bad.any():
             first, lengths, pieces = (np.concatenate(parts) for parts in zip(*done, strict=True))
             order = np.argsort(first)
@@ -158,20 +159,22 @@ def fitted(section: CurveSegment) -> tuple[Array, Complex]:
     raise ValueError("a section of the curve is not smooth")
 
 
-def _travelled(section: CurveSegment, a: Array, b: Array) -> Array:
-    """Length from parameter a to b, elementwise."""
+def _by_length(section: CurveSegment, a: Array, b: Array) -> tuple[Array, Array, Array]:
+    """Lengths (m,) of pieces, bounds (m,) of the last terms of their series, and parameters (m, n) at `_PLACES`.
+
+    a, b: (m, 1), ends of the pieces. By Newton's method.
+    """
     half = 0.5 * (b - a)
-    speed = np.abs(section.velocity(a[..., None] + half[..., None] * (1.0 + _NODES)))
-    return np.asarray(half * (speed @ _WEIGHTS))
-
-
-def _parameter(section: CurveSegment, a: Array, b: Array, length: Array, travelled: Array) -> Array:
-    """Parameter at which a piece from a to b (m, 1) of that length has travelled (m, n), by Newton's method."""
-    start = np.broadcast_to(a, travelled.shape)
-    t = a + (b - a) * (travelled / length)
+    speed = np.abs(section.velocity(a + half * (1.0 + _NODES))) @ _TO_SERIES  # of Legendre's polynomials
+    travelled = _integrated(speed).T[..., None]
+    speed = speed.T[..., None]
+    length = _summed(np.ones((1, 1)), travelled)
+    x = np.broadcast_to(_PLACES, (len(a), len(_PLACES)))
     for _ in range(6):
-        last = t
-        t = np.clip(t - (_travelled(section, start, t) - travelled) / np.abs(section.velocity(t)), a, b)
-        if (np.abs(t - last) <= ROUNDING * (b - a)).all():
+        last = x
+        excess = _summed(x, travelled) - 0.5 * length * (1.0 + _PLACES)
+        x = np.clip(x - excess / _summed(x, speed), -1.0, 1.0)
+        if (np.abs(x - last) <= ROUNDING).all():
             break
-    return t
+    half = half[:, 0]
+    return half * length[:, 0], half * np.abs(speed[-1, :, 0]) / (TERMS - 0.5), a + half[:, None] * (1.0 + x)
