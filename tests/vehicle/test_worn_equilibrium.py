@@ -18,6 +18,7 @@ from wheelrail.scenes.schema.scene import load_scene
 from wheelrail.vehicle import VehicleDynamics, equilibrium
 from wheelrail.vehicle.integration.problem import StepFailure
 from wheelrail.vehicle.steady import continuation
+from wheelrail.vehicle.steady.equilibrium import _newton
 from wheelrail.vehicle.track.constant_curve import ConstantCurve
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -55,3 +56,20 @@ def test_a_transient_that_does_not_come_to_rest_ends(monkeypatch: pytest.MonkeyP
     dynamics = worn_vehicle()
     with pytest.raises(StepFailure, match=r"the transient into the curve is at 0\.30 of 9 s after 3 steps"):
         continuation.transient_into_curve(dynamics, 0.0, np.zeros(dynamics.size))
+
+
+def test_a_stall_below_the_acceptable_residual_is_an_equilibrium() -> None:
+    """Where a force jumps no step reduces the residual: a loop of wear ended at 1.3e-5 wheel loads."""
+    problem = SimpleNamespace(
+        contacts=lambda state, near: {},
+        residual=lambda state, contacts: np.where(state == 0.0, 1e-5, 1.0),
+        jacobian=lambda state, contacts: -np.eye(1),
+        dynamics=None,
+        time=0.0,
+        largest=np.ones(1),
+        unknowns=np.arange(1),
+    )
+    start = np.zeros(1)
+    assert _newton(problem, start, None, 1e-7, 1e-4, 60).residual == 1e-5  # type: ignore[arg-type]
+    with pytest.raises(StepFailure, match="stalled"):
+        _newton(problem, start, None, 1e-7, 1e-6, 60)  # type: ignore[arg-type]

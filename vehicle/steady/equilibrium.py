@@ -148,7 +148,12 @@ def _newton(
         if iteration > best.iterations + 2:
             # Tangents of friction near its limit lead from one limit to the other and back.
             damping = max(damping, TO_AND_FRO * _size(residual))
-        state, contacts, new, damping = _step(problem, state, contacts, residual, damping)
+        try:
+            state, contacts, new, damping = _step(problem, state, contacts, residual, damping)
+        except StepFailure:
+            if best.residual <= acceptable:
+                return best
+            raise
         damping *= min(0.5, _size(new) / _size(residual))
         residual = new
         if _size(residual) < best.residual:
