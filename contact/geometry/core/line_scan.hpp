@@ -104,6 +104,7 @@ inline Scan scan(const Shape& rail, const Lines& lines, double radius, const Pos
         Point<double> offset, normal;
         bool ended = false;
         if (sample >= 0) sample = std::min(std::max(sample + advance, 0L), last);
+        double first_sine = sine, first_cosine = cosine;
         for (int turn = 0; turn < TURNS; ++turn) {
             Point<double> q{origin.y + forth.y * r * sine + axle.y * z.y - high.y * r * cosine,
                             origin.z + forth.z * r * sine + axle.z * z.y - high.z * r * cosine};
@@ -124,6 +125,19 @@ inline Scan scan(const Shape& rail, const Lines& lines, double radius, const Pos
             ended = std::abs(change) * radius < (d > FAR ? FAR : SCANNED);
             if (ended) break;
             next_turn(turn, at, before_last, change, changed, sine, cosine);
+        }
+        if (!ended) {  // on steep flanges of wheels that yaw
+            long near = before >= 0 ? before : sample;
+            OnCurve<double> line{z, t, {}};
+            auto found = lowest_on(rail, radius, pose, line, first_sine, first_cosine, near, rail.samples(near));
+            if (!std::isnan(found.depth)) {
+                sample = sample_from(rail, local(rail, found.at, found.piece).point, near);
+                advance = before >= 0 ? sample - before : 0;
+                sine = std::sin(found.x / radius), cosine = std::cos(found.x / radius);
+                result.depth(i) = found.depth, result.slope(i) = found.slope;
+                result.x(i) = found.x, result.sample(i) = sample;
+                continue;
+            }
         }
         advance = before >= 0 ? sample - before : 0;
         if ((sample == 0 && a < 0.0) || (sample == last && a > 0.0)) {
