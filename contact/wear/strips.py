@@ -7,7 +7,7 @@ patch, of which sums over cells miss up to a third, where the slip rises between
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 from typing import Literal
@@ -132,11 +132,10 @@ def worn_strips(
     cells, slip = _balanced(at, loaded, t_gamma, dissipation, friction, speed)
     removed, severe = law.rate(cells) * area, law.severe(cells) & (cells.dissipation > 0.0)
     share = np.ones(len(area)) if at.share is None else at.share[loaded]
-    keys = np.column_stack([share, patch, at.wheel_s[loaded]])
-    strips, first, strip = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    summed = partial(_sums, strip.ravel(), count=len(strips))
+    strips, first, strip = _groups(np.column_stack([share, patch, at.wheel_s[loaded]]))
+    summed = partial(_sums, strip, count=len(strips))
     number = summed(np.ones(len(area)))
-    width, normal = summed(at.width[loaded]) / number, at.axes[loaded][first, 2]
+    width, normal = summed(at.width[loaded]) / number, at.axes[np.flatnonzero(loaded)[first], 2]
     factors = law.factors(np.arctan2(np.abs(normal[:, 1]), -normal[:, 2]), strips[:, 2], width)
     if severe.any():
         warnings.warn(law.remark, stacklevel=2)
@@ -144,7 +143,7 @@ def worn_strips(
         wheel_s=strips[:, 2],
         rail_s=summed(at.rail_s[loaded]) / number,
         width=width,
-        tiling=np.unique(strips[:, :2], axis=0, return_inverse=True)[1].ravel(),
+        tiling=_groups(strips[:, :2])[2],
         share=strips[:, 0],
         patch=strips[:, 1].astype(int),
         pressure=summed(at.pressure[loaded] * area) / summed(area),
@@ -172,6 +171,17 @@ def _balanced(
     slip = np.hypot(*at.slip[loaded].T) * np.where(stuck, 1.0, factor)
     mu = _friction(friction, slip * speed, pressure)
     return SlidingCells(pressure, dissipation * factor, mu, slip * speed, speed, t_gamma[patch]), slip
+
+
+def _groups(keys: Array) -> tuple[Array, Nodes, Nodes]:
+    """Different rows (m, c) of keys (n, c) in order, index (m,) of the first of each, and group (n,) of each row.
+
+    Equal rows mostly follow one another: those of a run are sorted as one.
+    """
+    begins = np.concatenate([[True], (keys[1:] != keys[:-1]).any(axis=1)])
+    starts = np.flatnonzero(begins)
+    groups, first, run = np.unique(keys[starts], axis=0, return_index=True, return_inverse=True)
+    return groups, starts[first], run.ravel()[np.cumsum(begins) - 1]
 
 
 def _sums(number: Nodes, values: Array, count: int) -> Array:
@@ -216,37 +226,39 @@ class ProfileGrid:
         bounds = cell_bounds(profile, cell)
         return cls("rail", bounds, np.ones(len(bounds) - 1))
 
-    def rows(self, strips: WornStrips, place: Place | None) -> Iterator[tuple[Mask, Array]]:
-        """Masks (m,) of rows of strips, and their ascending bounds (j + 1,) m on the new profile."""
-        for number in range(strips.tiling.max(initial=-1) + 1):
-            row = strips.tiling == number
-            bounds = strips.bounds(row, self.body)
-            if place is not None:
-                bounds = place(bounds)
-            step = APART * np.arange(len(bounds))
-            yield row, np.maximum.accumulate(bounds - step) + step
-
-    def deposited(self, strips: WornStrips, values: Array, place: Place | None = None) -> Array:
-        """Sums (n, c) in the cells of sums (m, c) over strips.
+    def rows(self, strips: WornStrips, place: Place | None) -> list[tuple[Mask, Array]]:
+        """Masks (m,) of rows of strips, and their ascending bounds (j + 1,) m on the new profile.
 
         Parameters:
             strips: m of them.
-            values: (m, c).
             place: arc length on the new profile by that of the profile in contact; None: the same.
+        """
+        masks = [strips.tiling == number for number in range(strips.tiling.max(initial=-1) + 1)]
+        parts = [strips.bounds(row, self.body) for row in masks]
+        if place is not None and parts:
+            parts = np.split(place(np.concatenate(parts)), np.cumsum([len(part) for part in parts[:-1]]))
+        steps = [APART * np.arange(len(part)) for part in parts]
+        ascending = [np.maximum.accumulate(part - step) + step for part, step in zip(parts, steps, strict=True)]
+        return list(zip(masks, ascending, strict=True))
+
+    def deposited(self, rows: Sequence[tuple[Mask, Array]], values: Array) -> Array:
+        """Sums (n, c) in the cells of sums (m, c) over strips in rows.
 
         They are differences of a monotone cubic through the cumulative sums at the bounds of strips: nothing is lost
         but what lies beyond the grid.
         """
         cumulative = np.zeros((len(self.bounds), values.shape[1]))
-        for row, bounds in self.rows(strips, place):
+        for row, bounds in rows:
             sums = np.vstack([np.zeros(values.shape[1]), np.cumsum(values[row], axis=0)])
-            cumulative += _monotone(bounds, sums)(np.clip(self.bounds, bounds[0], bounds[-1]))
+            first, last = np.searchsorted(self.bounds, bounds[[0, -1]])
+            cumulative[first:last] += _monotone(bounds, sums)(self.bounds[first:last])
+            cumulative[last:] += sums[-1]
         return np.diff(cumulative, axis=0)
 
-    def covered(self, strips: WornStrips, values: Array, place: Place | None = None) -> Array:
-        """Sums (n,) of values (k,) of patches, times the part of a cell that each covers."""
+    def covered(self, rows: Sequence[tuple[Mask, Array]], strips: WornStrips, values: Array) -> Array:
+        """Sums (n,) of values (k,) of patches, times the part of a cell that the strips of each in rows cover."""
         found = np.zeros(len(self.bounds) - 1)
-        for row, bounds in self.rows(strips, place):
+        for row, bounds in rows:
             part = np.diff(np.clip(self.bounds, bounds[0], bounds[-1])) / np.diff(self.bounds)
             found += strips.share[row][0] * values[strips.patch[row][0]] * part
         return found
@@ -318,7 +330,8 @@ def profile_rates(strips: WornStrips, grid: ProfileGrid, place: Place | None = N
     values = np.column_stack(
         [strips.volume, strips.volume * strips.pressure, strips.severe, strips.energy, damage, strips.traction]
     )
-    cells = grid.deposited(strips, values, place)
+    rows = grid.rows(strips, place)
+    cells = grid.deposited(rows, values)
     outside = float(strips.volume.sum() - cells[:, 0].sum())
     removed, pressed, severe, energy, damaged, *traction = (cells / grid.per_passage[:, None]).T
     return ProfileRates(
@@ -326,7 +339,7 @@ def profile_rates(strips: WornStrips, grid: ProfileGrid, place: Place | None = N
         pressed=pressed,
         severe=np.minimum(severe, removed),  # curves through both differ between the bounds of strips
         energy=energy,
-        fatigue_index=grid.covered(strips, strips.fatigue_index, place) / grid.per_passage,
+        fatigue_index=grid.covered(rows, strips, strips.fatigue_index) / grid.per_passage,
         damage=damaged,
         traction=np.stack(traction, axis=1),
         outside=outside,

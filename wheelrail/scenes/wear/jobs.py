@@ -11,11 +11,14 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
+
 from wheelrail.scenes.schema.errors import RunFailed, SceneError
 from wheelrail.scenes.wear.cases import CaseRates, Duty
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.wear.evolution import WearingProfile
 
+KEPT = 32  # profiles of a worker, of which the cases of a step share the worn ones
 Removed = Mapping[str, Array]  # sections (n,) m2 removed from the cells, by profile
 
 
@@ -56,13 +59,10 @@ class CaseJob:
 def rated(job: CaseJob) -> CaseRates:
     """Rates of a job, in a worker. Raises RunFailed that names the case."""
     duty = _duty(job.table, job.path)
-    unworn = duty.unworn() | {name: rail.profile for name, rail in duty.unworn_rails().items()}
-    profiles = {name: replace(unworn[name], removed=removed) for name, removed in job.present.items()}
-    same = {name for name, removed in job.renewed.items() if (removed == job.present[name]).all()}
-    renewed = {
-        name: profiles[name] if name in same else replace(unworn[name], removed=removed)
-        for name, removed in job.renewed.items()
-    }
+    profiles, renewed = (
+        {name: _profile(job.table, job.path, name, removed.tobytes()) for name, removed in each.items()}
+        for each in (job.present, job.renewed)
+    )
     case = duty.cases[job.number]
     with duty.contacts(profiles, renewed, [case], threads=1) as contacts:
         return duty.rates(case, contacts[case.contact_key], profiles, job.guesses)
@@ -72,6 +72,17 @@ def rated(job: CaseJob) -> CaseRates:
 def _duty(table: bytes, path: Path) -> Duty:
     """The duty of a worker, with the bodies of its last jobs."""
     return Duty(pickle.loads(table), path)
+
+
+@lru_cache(maxsize=KEPT)
+def _profile(table: bytes, path: Path, name: str, removed: bytes) -> WearingProfile:
+    """Profile of wheels or a rail by name.
+
+    removed: bytes of the sections m2 removed from its cells.
+    """
+    duty = _duty(table, path)
+    unworn = duty.unworn() | {rail: own.profile for rail, own in duty.unworn_rails().items()}
+    return replace(unworn[name], removed=np.frombuffer(removed))
 
 
 def rates_of(executor: Executor, jobs: Sequence[CaseJob]) -> Iterator[CaseRates]:
