@@ -52,6 +52,7 @@ class SnesNewton:
         def function(_: Any, x: Any, residual: Any) -> None:
             solver.__form(x)
             F(x, residual)
+            solver.snes.setTolerances(atol=solver.atol)  # which F may change, as with dolfinx's NewtonSolver
 
         self.snes.setFunction(function, b)
 

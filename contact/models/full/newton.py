@@ -78,6 +78,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self._x = self._work.duplicate()
         self._halvings = 0  # largest number in the present attempt
         self._contact = 0.0  # norm of the contact forces, reference of the relative residual
+        self._sought = options.tolerance  # relative residual
         self._predicted: Array = np.empty((0, 0))  # nodal forces by the last linear step
         self._linearisation: tuple[Linearisation, Array] | None = None  # and its displacements
         self._product = JacobianOperator(stiffness)
@@ -172,19 +173,21 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         relative = np.inf
         for level in levels:
             self.problem.law.regularisation = level
-            tolerance = self.options.tolerance if level == final else ROUGH
-            for _ in range(4):  # the absolute tolerance depends on the norm of the contact forces
-                residual = self.ranks.norm(self._evaluate(x))
-                if self._contact == 0:  # separated, as without the multipliers of exact laws: nothing to start from
-                    return np.inf
-                relative = residual / self._contact
-                if relative <= tolerance:
-                    break
+            self._sought = self.options.tolerance if level == final else ROUGH
+            relative, converged = self._relative(x), True
+            if self._contact == 0:  # separated, as without the multipliers of exact laws: nothing to start from
+                return np.inf
+            if relative > self._sought:
                 check_interrupt()
-                self.atol = 0.5 * tolerance * self._contact
-                if not self.solve(x)[1]:
-                    return self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300)
+                converged = self.solve(x)[1]
+                relative = self._relative(x)
+            if not converged:
+                break
         return relative
+
+    def _relative(self, x: Any) -> float:
+        """Residual over the contact force."""
+        return float(self.ranks.norm(self._evaluate(x)) / max(self._contact, 1e-300))
 
     def _evaluate(self, x: Any) -> Array:
         """F(U) = K U - B^T T."""
@@ -196,6 +199,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
 
     def _residual(self, x: Any, b: Any) -> None:
         b.array[:] = self._evaluate(x)
+        self.atol = 0.5 * self._sought * self._contact  # of these contact forces: those of a start may be none
 
     def _linearise(self, x: Any, _: Any) -> None:
         assert self.problem is not None

@@ -277,6 +277,16 @@ def test_a_start_without_contact_costs_no_step() -> None:
     assert warm.statistics.newton <= 1.3 * cold.statistics.newton
 
 
+@pytest.mark.parametrize("change", [0.0, 1e-6])
+def test_a_start_with_hardly_any_contact_costs_no_step(change: float) -> None:
+    """The tolerance was 1e-10 of the contact forces of the start, nearly none: 50 steps at the noise of rounding."""
+    model = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ContactLaws())
+    cold = model(pose(3.2), CREEP)
+    warm = model(pose(3.2 + change), CREEP, cold)
+    assert warm.statistics.newton <= 1.3 * cold.statistics.newton
+    assert_agree(warm, cold, 1e-5)
+
+
 def test_a_cold_start_needs_few_steps_and_no_continuation() -> None:
     for creep in ((1e-3, -5e-4, 0.3), (0.0, 0.1, 0.0), (5e-5, 0.0, 0.0), (1e-2, 1e-2, 2.0)):
         result = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING)(pose(3.2), rolling(*creep))
