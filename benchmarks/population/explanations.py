@@ -8,23 +8,25 @@ from itertools import pairwise
 
 import numpy as np
 
-from benchmarks.population.checks import section_of
+from benchmarks.population.checks import TOUCH, section_of
 from benchmarks.population.draw import Situation
 from benchmarks.population.results import SideResult, side_result, solved
 from wheelrail.contact.kinematics.frames import SIDES, Side
 
 DEEPEST = 0.05  # m below the nominal height, to which loads are searched for
 OVERLAP = 5e-4  # m: heights with more are no contact of elastic bodies
-NAMED = re.compile(r"overlaps the rail (\S+) mm deep at y = (\S+), z = (\S+) mm of its profile")
+NAMED = re.compile(r"(?:overlaps the rail (\S+) mm deep|touches the rail) at y = (\S+), z = (\S+) mm of its profile")
 OVERLOADED = re.compile(r"too deep for half-spaces: \S+ GPa are above")
 ALONG = re.compile(r"passes (\S+) mm along the rail")
 YIELDING = re.compile(r"do not settle.*would move them by \S+ mm")
 NEAR = 5e-3  # m on the profile of a wheel
 ORDINARY = (-50e-3, 45e-3)  # m, where a wheel touches a rail between flange tip and rim
+FIELD = 36e-3  # m on the profile of a wheel, up to which finite bodies carry contact
 STEEPEST = 0.05  # rad, to which a roll is looked for
 CORNER = 1e-3  # m on the profile of a wheel, to the place that touches first
 LOWEST, LOWERED = -18e-3, 1e-4  # m: end of a meshed rail's points from its top; steps in which a wheel is lowered
 ROUNDED, NORMALS = 0.99, 1.1  # times the depth in a text, along the wheel's normal, up to 25 degrees off the rail's
+SINE = 0.7  # of an angle about the axle, beyond which a lowest point is far ahead
 TIP = 20e-3  # m, height on a flange above which it touches the rail as it climbs
 
 
@@ -34,9 +36,11 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
     rolls = resting_rolls(situation) if situation.solve.get("roll") == "solve" else [situation.solve.get("roll", 0.0)]
     named = NAMED.search(result.status)
     if named:
-        depth, y, z = (1e-3 * float(number) for number in named.groups())
+        depth, y, z = (1e-3 * float(number or 0.0) for number in named.groups())
         reasons = [
-            _named(situation, side, (y, z), roll) or _below_points(situation, side, (y, z), depth, roll)
+            _named(situation, side, (y, z), roll)
+            or _below_points(situation, side, (y, z), depth, roll)
+            or _vertical(situation, side, (y, z), depth, roll)
             for roll in (at.roll, *rolls)
         ]
         if reason := next(filter(None, reasons), ""):
@@ -77,6 +81,10 @@ def _named(situation: Situation, side: Side, place: tuple[float, float], roll: f
     over = (np.abs(low.y - y) < NEAR) & (low.depth > 0.0)
     if not over.any():
         return ""
+    if situation.wheelset.get("bodies") in ("waveguide", "solid"):
+        first = over & (low.depth > low.depth[over].max() - TOUCH)  # what touches first there
+        if low.y[first].max() > FIELD:
+            return "touches the rail beyond the part of a finite wheel that carries contact points"
     at_end = bool(np.abs(rigid.wheel_points[[0, -1], 0] - y).min() < 1e-3) or not ORDINARY[0] < y < ORDINARY[1]
     if at_end or z > TIP:
         return f"names an overlap of the {'flange' if y < 0.0 else 'rim'}"
@@ -97,6 +105,24 @@ def _below_points(situation: Situation, side: Side, place: tuple[float, float], 
         if low.place[k, 2] < LOWEST and ROUNDED * depth < low.depth[k] < NORMALS * depth:
             return "touches the side of the rail farther down than meshed rails have points"
     return ""
+
+
+def _vertical(situation: Situation, side: Side, place: tuple[float, float], depth: float, roll: float) -> str:
+    """Reason of a failure that names an overlap m at a place (y, z) m of the wheel's profile: where a wheel that is
+    lowered has it, the overlap reaches a face of the rail so steep that by the yaw a wheel has no lowest point on it;
+    empty elsewhere.
+    """
+    rigid, at = situation.rigid[side], situation.position(side, 0.0, roll)
+    k = int(np.argmin(np.hypot(*(rigid.wheel_points - place).T)))
+    for z in np.arange(rigid.first_contact(at), -DEEPEST, -LOWERED):
+        low = rigid.section(replace(at, z=z))
+        if low.depth[k] > ROUNDED * depth:
+            break
+    else:
+        return ""
+    over = (low.depth > 0.0) & (np.abs(low.y - place[0]) < NEAR)
+    across, up = np.gradient(rigid.rail_points, axis=0)[rigid.nearest(low.place[over, 1:])].T
+    return "presses against a vertical face of the rail" if (SINE * across < np.abs(up * np.sin(at.yaw))).any() else ""
 
 
 def _touches_corner(situation: Situation, side: Side, roll: float) -> bool:

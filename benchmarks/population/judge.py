@@ -28,7 +28,7 @@ STEP = {"y": 3e-5, "z": 1e-5}  # m, to the start of the warm solve
 # penetration, 5 to 8 % larger on ellipses and more where patches are not; its tangential force is within a third of
 # mu N of the complete theory at every creepage.
 BAND_APPROACH, BAND_FORCE = 0.5, 0.4
-BAND_NORMAL = 0.25  # of the range of the normals in the patch, in which both resultants lie; 0.08 on gauge corners
+BAND_NORMAL = 0.25  # of the wider range of normals of both patches, in which both resultants lie; 0.08 on gauge corners
 NO_RIM = re.compile(r"wheel disc_\w+ is \S+ m wide, the rim \S+ m$")
 REFUSED = re.compile(r"(wheel_load|axle_load) = \S+: must be a number from (\S+) to (\S+)")
 
@@ -236,7 +236,7 @@ def against_standard(situation: Situation, results: Mapping[Side, SideResult]) -
         # over the own load: of 114 kN on an axle one wheel carries 9.4 kN on strips and 7.6 kN by the standard contact
         off = np.abs(result.force / result.load - standard.force / standard.load)[:2].max()
         if (
-            off > BAND_FORCE * max(mu, 1e-3) + BAND_NORMAL * spread(result)
+            off > BAND_FORCE * max(mu, 1e-3) + BAND_NORMAL * max(spread(result), spread(standard))
             and len(result.peak) == len(standard.peak) == 1
             and not on_corner(situation.rigid[side], result)
         ):

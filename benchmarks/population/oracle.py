@@ -17,7 +17,7 @@ from scipy.ndimage import maximum_filter1d
 from scipy.spatial import cKDTree
 
 from benchmarks.population.profiles import Shape, arc
-from wheelrail.support.arrays import Array, Mask
+from wheelrail.support.arrays import Array, Mask, Nodes
 
 FINE = 1e-4  # m, spacing of the points: 0.1 µm off an arc of 13 mm
 CORNER = 0.2  # rad between chords: a spline through a corner of 45 degrees, 0.2 mm apart, overshoots it by 8 um
@@ -149,10 +149,13 @@ class RigidSide:
     def _tree(self) -> cKDTree:
         return cKDTree(self.rail_points)
 
+    def nearest(self, places: Array) -> Nodes:
+        """Numbers (n,) of the rail's points nearest to places (n, 2) m."""
+        return np.asarray(self._tree.query(places)[1])
+
     def depth(self, places: Array) -> Array:
         """Penetrations (n,) m of points (n, 2) into the rail; negative is the distance."""
-        rail = self.rail_points
-        _, nearest = self._tree.query(places)
+        rail, nearest = self.rail_points, self.nearest(places)
         best, inside = np.full(len(places), np.inf), np.zeros(len(places), dtype=bool)
         for first in (nearest - 1, nearest):
             at = np.clip(first, 0, len(rail) - 2)
