@@ -10,10 +10,12 @@ namespace wr {
 inline const char* const TOO_DEEP = "the wheel lies inside the rail, too deep for a contact";
 inline const char* const UNSOLVED = "beyond the part of its surface that carries contact points";
 
+constexpr double TOUCHES = 1e-6;  // m, overlaps at which the search for a load ends where its solves begin to fail
+
 // Depth m of an overlap, its place m on the wheel's profile, and the reason.
 inline std::string overlap_text(double depth, const Point<double>& place, const std::string& reason) {
-    return text("the wheel overlaps the rail %.3g mm deep at y = %.1f, z = %.1f mm of its profile, ", 1e3 * depth,
-                1e3 * place.y, 1e3 * place.z) +
+    std::string how = depth < TOUCHES ? "touches the rail" : text("overlaps the rail %.3g mm deep", 1e3 * depth);
+    return "the wheel " + how + text(" at y = %.1f, z = %.1f mm of its profile, ", 1e3 * place.y, 1e3 * place.z) +
            reason;
 }
 

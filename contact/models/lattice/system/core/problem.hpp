@@ -19,6 +19,7 @@ inline const char* const PATCH_TOO_LONG = "the patch is longer than the tables o
 inline const char* const TENSION[] = {"the pressure is negative at an end of a strip",
                                       "the pressure is negative between two places of a strip, which has one"};
 inline const char* const PROFILE_ENDS = "where a profile ends";
+inline const char* const TOO_STEEP = "where the face of the rail is too steep for strips";
 constexpr double MISSED = 1e-4;  // m, largest overlap that strips may miss: as means over their widths they have less
 
 // Some loaded strips.
@@ -104,20 +105,22 @@ class LatticeProblem {
         return "";
     }
 
-    // Throw OutsideSurface where the penetration reaches an end of a profile, or of the upper body's lines.
+    // Throw OutsideSurface where the penetration reaches an end of a profile, or of the upper body's lines, or lines
+    // whose largest penetration is far ahead: along the profile it changes by no more than the way.
     void check_inside() const {
-        const auto& depth = lines.depth;
-        constexpr double none = -std::numeric_limits<double>::infinity();
+        const auto& [depth, middle] = std::tie(lines.depth, lattice().middle);
         long last = depth.size() - 1, worst = -1;
         bool worst_ended = false;
         for (long k : candidates) {
-            double before = depth(std::max(k - 1, 0L)), after = depth(std::min(k + 1, last));
-            bool ended = k == 0 || k == last || (before == none && 2.0 * depth(k) > after) ||
-                         (after == none && 2.0 * depth(k) > before);
+            long before = std::max(k - 1, 0L), after = std::min(k + 1, last);
+            auto lost = [&](long m) { return depth(m) < depth(k) - std::abs(middle(m) - middle(k)); };
+            bool ended = k == 0 || k == last || (lost(before) && 2.0 * depth(k) > depth(after)) ||
+                         (lost(after) && 2.0 * depth(k) > depth(before));
             if ((ended || !lattice().carried(k)) && (worst < 0 || depth(k) > depth(worst)))
                 worst = k, worst_ended = ended;
         }
-        if (worst >= 0) throw OutsideSurface(overlap_at(worst, worst_ended ? PROFILE_ENDS : UNSOLVED));
+        if (worst < 0) return;
+        throw OutsideSurface(overlap_at(worst, !worst_ended ? UNSOLVED : at_end(worst) ? PROFILE_ENDS : TOO_STEEP));
     }
     // Throw OutsideSurface where loaded strips lie beyond the lower body's lines, as unloaded ones may.
     void check_loaded(const Strips& strips) const {
@@ -232,6 +235,12 @@ class LatticeProblem {
         return *gap;
     }
     Point<double> on_wheel(double s) const { return local(at.surface.wheel, s).point; }
+    // Whether a strip lies at an end of its profile or of the rail's.
+    bool at_end(long strip) const {
+        double foot = lines.foot(strip), width = lattice().width(strip);
+        bool outer = strip == 0 || strip == lines.depth.size() - 1;
+        return outer || foot - width < at.surface.rail.first() || foot + width > at.surface.rail.last();
+    }
     // Message on a strip that penetrates outside the solved region.
     std::string overlap_at(long strip, const std::string& reason) const {
         if (!at.surface.revolves) return BEYOND;
