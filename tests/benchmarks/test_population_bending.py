@@ -12,7 +12,7 @@ from benchmarks.population.checks import broken
 from benchmarks.population.draw import MESHED, Situation
 from benchmarks.population.profiles import rail, wheel
 from benchmarks.population.results import side_result, solved
-from wheelrail.contact.elasticity.waveguide.bodies import rail_waveguide, wheel_waveguide
+from wheelrail.contact.elasticity.waveguide.bodies import profile_waveguide
 from wheelrail.contact.laws.material import Material
 from wheelrail.meshes.bodies.outlines import rail_outline, wheel_outline
 
@@ -26,11 +26,11 @@ SIZE = 4e-3  # m, of the elements
 def test_a_lateral_load_displaces_as_finite_elements(body: str, low: float, high: float) -> None:
     steel, (own_wheel, own_rail, *_) = Material(2.1e11, 0.3), MESHED[3]
     if body == "rail":
-        bending, outline, waveguide = bent_rail(own_rail), rail_outline(own_rail.profile), rail_waveguide
+        bending, outline = bent_rail(own_rail), rail_outline(own_rail.profile)
     else:
         radius = float(body.split()[1])
-        bending, outline, waveguide = bent_wheel(radius), wheel_outline(own_wheel.profile, radius), wheel_waveguide
-    compliance, grid, _ = waveguide(outline, steel, size=SIZE, half_length=SIZE)
+        bending, outline = bent_wheel(radius), wheel_outline(own_wheel.profile, radius)
+    compliance, grid, _ = profile_waveguide(outline, steel, size=SIZE, half_length=SIZE)
     rows, lines = grid.shape
     middle = grid.position[rows // 2]
     load = int(np.argmin(np.abs(middle[:, 1])))
