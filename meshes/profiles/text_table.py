@@ -58,7 +58,7 @@ class TextTable:
 
 
 def text_table(lines: Sequence[tuple[int, str]]) -> TextTable:
-    """Table of numbered lines, of those with at least two numbers."""
+    """Table of the numbered lines with at least two numbers."""
     contents = [(number, COMMENT.sub("", line).strip()) for number, line in lines]
     style = style_of([content for _, content in contents])
     rows, text = [], []

@@ -85,9 +85,9 @@ def read_irregularities(path: str | Path, how: Measurement = AS_IT_IS) -> tuple[
 
 
 def read_columns(path: str | Path, heads: Mapping[str, str] | None = None) -> tuple[Array, dict[str, Array]]:
-    """Stations (n,) m, increasing, and the other columns (n,) m by name, with the heads of these in the file.
+    """Stations (n,) m, increasing, and the other columns (n,) m by name.
 
-    Raises IrregularityFileError.
+    heads: in the file, by name. Raises IrregularityFileError.
     """
     try:
         lines = read_text(path, MOST, foreign=True).splitlines()
