@@ -14,6 +14,7 @@ from xarray import Dataset
 
 from benchmarks.wear.check import Check
 from wheelrail.scenes.wear.cases import Duty
+from wheelrail.scenes.wear.jobs import workers
 from wheelrail.scenes.wear.loop import STEPS, WearLoop
 from wheelrail.scenes.wear.schema import CONTACTS, check_wear
 from wheelrail.support.arrays import Array
@@ -115,11 +116,12 @@ def resolutions(until: float) -> None:
         print(f"| {strips} | {cells} | " + " | ".join(f"{value:.4g}" for value in figures) + " |", flush=True)
 
 
-def duty(until: float, **more: Any) -> Dataset:
+def duty(until: float, processes: int = 1, **more: Any) -> Dataset:
     """Wear of the Manchester vehicle on straight irregular track and in four curves, printed by step.
 
     Parameters:
         until: distance, m.
+        processes: that solve the cases of a step.
         more: keys of the wear file in place of elastic contact of curves and lifted wheels of the straight.
     """
 
@@ -156,12 +158,13 @@ def duty(until: float, **more: Any) -> Dataset:
         print(f"| {number - 1} | " + " | ".join(f"{value:.4g}" for value in figures) + " |", flush=True)
         clock[:] = now
 
-    loop = WearLoop(Duty(check_wear(table), Path("wear.toml")), None, report)
     begun = perf_counter(), process_time()
-    data = loop.run()
+    with workers(processes, None) as executor:
+        loop = WearLoop(Duty(check_wear(table), Path("wear.toml")), executor, report)
+        data = loop.run()
     seconds, processor = perf_counter() - begun[0], process_time() - begun[1]
     print(
         f"\n{data.attrs['status']}: {1e-3 * until:.0f} km, {len(loop.steps)} steps, {seconds:.0f} s, {processor:.0f} s "
-        "of processors"
+        "of the first process' processor time"
     )
     return data

@@ -48,6 +48,7 @@ def main() -> None:
     )
     parser.add_argument("--contact", default="condensed", metavar="NAME", help="of the duty: standard or condensed")
     parser.add_argument("--depth", type=float, default=1e-4, metavar="M", help="largest of a step of the duty")
+    parser.add_argument("--processes", type=int, default=1, metavar="N", help="that solve the cases of the duty")
     arguments = parser.parse_args()
     if unknown := set(arguments.numbers) - set(CHECKS):
         parser.error(f"no check {min(unknown)}; there are {', '.join(map(str, CHECKS))}")
@@ -58,7 +59,7 @@ def main() -> None:
         return
     if arguments.duty is not None:
         standard = {"scene": loop.FILES["scene"], "contact": {}} if arguments.contact == "standard" else {}
-        loop.duty(1e3 * arguments.duty, depth=arguments.depth, **standard)
+        loop.duty(1e3 * arguments.duty, arguments.processes, depth=arguments.depth, **standard)
         return
     print("\n| check | figure | tolerance | pass |\n|---|---|---|---|", flush=True)
     checks = []
