@@ -167,3 +167,8 @@ def test_bad_files(profiles: str, contact: Mapping[str, Any], says: str) -> None
 def test_sides_are_not_turned_apart() -> None:
     with pytest.raises(SceneError, match='apart = true: allowed only with profiles = "wheelsets" or "wheels"'):
         duty("sides", reprofile={"Sd": 26e-3, "apart": True})
+
+
+def test_a_limit_that_new_wheels_exceed_is_refused() -> None:
+    with pytest.raises(SceneError, match=r"reprofile.Sd = 0.04 m: .* is beyond it when new, with 0.03"):
+        WearLoop(duty("one", reprofile={"Sd": 40e-3})).run()

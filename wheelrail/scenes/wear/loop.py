@@ -159,11 +159,14 @@ class WearLoop:
         return data
 
     def _begun(self) -> WearState:
+        state = self._unworn()
+        for profile, name, value, limit in self._beyond_limits(state):
+            raise SceneError(f"reprofile.{name} = {limit:g} m: {profile} is beyond it when new, with {value:.4g} m")
         if self.folder is not None:
             (self.folder / STEPS).mkdir(parents=True, exist_ok=True)
             for file in self._files():
                 file.unlink()
-        return self._unworn()
+        return state
 
     def _unworn(self) -> WearState:
         state = WearState(self.duty.unworn(), {}, rails=self.duty.unworn_rails())
@@ -353,16 +356,20 @@ class WearLoop:
 
     def _worn_out(self, state: WearState) -> list[str]:
         """Profiles that are due to be turned, as measures are beyond their limits."""
+        beyond = [profile for profile, *_ in self._beyond_limits(state)]
+        apart = self.duty.table.reprofile is not None and self.duty.table.reprofile.apart
+        return self.duty.turned_with(beyond) if apart or not beyond else list(state.profiles)
+
+    def _beyond_limits(self, state: WearState) -> Iterator[tuple[str, str, float, float]]:
+        """Profile, name, value m and limit m of measures beyond their limits."""
         limits = self.duty.table.reprofile
         if limits is None:
-            return []
-        beyond = [
-            profile
-            for profile, own in zip(state.profiles, self._measures(state), strict=True)
-            for name, sign in (("Sd", -1.0), ("qR", -1.0), ("Sh", 1.0), ("hollow", 1.0))
-            if (limit := getattr(limits, name)) is not None and sign * (getattr(own, name) - limit) > 0.0
-        ]
-        return self.duty.turned_with(beyond) if limits.apart or not beyond else list(state.profiles)
+            return
+        for profile, own in zip(state.profiles, self._measures(state), strict=True):
+            for name, sign in (("Sd", -1.0), ("qR", -1.0), ("Sh", 1.0), ("hollow", 1.0)):
+                value, limit = getattr(own, name), getattr(limits, name)
+                if limit is not None and sign * (value - limit) > 0.0:
+                    yield profile, name, float(value), limit
 
 
 def _rates(step: Mapping[Any, Any], number: int) -> ProfileRates:
