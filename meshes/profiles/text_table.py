@@ -138,12 +138,12 @@ STYLES = (
 
 
 def style_of(lines: Sequence[str]) -> Style:
-    """The style by which the most lines have at least two numbers, and of these the fewest cells are none."""
+    """The style that gives the most lines with equally many cells and two numbers, then the fewest cells without one."""
     sample = [*lines[:SAMPLE], *lines[SAMPLE :: max(1, len(lines) // SAMPLE)]]  # lines may alternate
 
     def rank(style: Style) -> tuple[int, int]:
         rows = [cells for cells in map(style.cells, sample) if _has_numbers(cells)]
-        return len(rows), -sum(cells.count(None) for cells in rows)
+        return max(Counter(map(len, rows)).values(), default=0), -sum(cells.count(None) for cells in rows)
 
     return max(STYLES, key=rank)  # the first of equal ones
 

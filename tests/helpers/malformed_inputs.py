@@ -355,7 +355,8 @@ def irregularities(t: Table) -> None:
     t.uneven("uneven: backwards", good.replace("\n7,", "\n3,", 1), "row 9", "s = 3", "greater than 6")
     t.uneven("uneven: stations in mm", good.replace("s,", "s [mm],", 1), "irregularities.fade", "0.199 m", "two fades")
     t.uneven("uneven: picture", PNG, "not a text file")
-    t.uneven("uneven: decimal commas", good.replace(".0", ",0").replace(", ", ";"), "row 2", "level = '1,0'", "point")
+    mixed = good.replace(", ", ";").replace("\n7;1.0", "\n7;1,0", 1)
+    t.uneven("uneven: a decimal comma among points", mixed, "row 9", "level = '1,0'", "point")
     t.uneven("uneven: huge", sparse(2**35), "3.44e+04 MB", "at most")
     t.uneven("uneven: a million rows", "1,0,0,0,0,0\n" * MB, "12.6 MB", "at most")
     for name, content, says in places():

@@ -20,7 +20,7 @@ Row = tuple[int, list[str]]  # number and cells
 Column = tuple[str, float]  # name, and unit in m or 1 with its sign; the name of a column that is not read is empty
 
 UNITS = {"m": 1.0, "mm": 1e-3}
-STATION_UNITS = {"m": 1.0, "km": 1e3}
+STATION_UNITS = {**UNITS, "km": 1e3}
 TWIST_UNITS = {"1": 1.0, "mm/m": 1e-3}
 RAILS = ("level_left", "level_right", "alignment_left", "alignment_right", "twist")
 MOST = 10.0  # MB
@@ -93,18 +93,21 @@ def read_columns(path: str | Path, heads: Mapping[str, str] | None = None) -> tu
         lines = read_text(path, MOST, foreign=True).splitlines()
     except FileRefused as error:
         raise IrregularityFileError(str(error)) from None
-    contents = [(i, line.strip().rstrip(";,\t")) for i, line in enumerate(lines, start=1) if _has_data(line)]
+    contents = [(i, line.strip()) for i, line in enumerate(lines, start=1) if _has_data(line)]
+    if len(contents) > 1 and contents[0][1][-1] in ";,":  # each row ends with a separator
+        contents = [(i, line.removesuffix(contents[0][1][-1])) for i, line in contents]
     style = style_of([line for _, line in contents])
     rows = [(i, style.texts(line)) for i, line in contents]
-    if contents and (heads or not any(map(_is_number, rows[0][1][:1]))):
+    named = bool(contents) and (heads is not None or not any(map(_is_number, rows[0][1][:1])))
+    if len(rows) - named < 2:
+        raise IrregularityFileError(f"{path}: {len(rows) - named} rows of numbers, must be at least 2")
+    if named:
         rows.pop(0)
         row, line = contents[0]
         line = re.sub(r"\s+(?=[\[(])", "", line) if style.split is str.split else line  # a unit belongs to its head
         columns = _columns(path, row, style.texts(line), heads)
     else:
         columns = [(name, 1.0) for name in ("s", *QUANTITIES)]
-    if len(rows) < 2:
-        raise IrregularityFileError(f"{path}: {len(rows)} rows of numbers, must be at least 2")
     table = np.vstack([_block(path, rows[i : i + BLOCK], columns) for i in range(0, len(rows), BLOCK)])
     by_name = {name: table[:, i] for i, (name, _) in enumerate(column for column in columns if column[0])}
     stations = by_name.pop("s")
