@@ -300,6 +300,7 @@ def test_scenes_in_the_text_are_valid_tables(tmp_path: Path) -> None:
 
     from wheelrail.contact.laws.registry import FRICTION, NORMAL
     from wheelrail.scenes.builders.vehicle_file import load_vehicle
+    from wheelrail.scenes.schema.irregularity_file import NAMES
     from wheelrail.scenes.wear.schema import check_wear
     from wheelrail.vehicle.wagon.components import Suspension
     from wheelrail.vehicle.wagon.wagon import Wagon
@@ -308,7 +309,7 @@ def test_scenes_in_the_text_are_valid_tables(tmp_path: Path) -> None:
     allowed = {key for table in tables for key in table.model_fields}
     laws = [law for law in (*FRICTION.values(), *NORMAL.values()) if isinstance(law, type)]
     own = {"dry", "wheelset_1", "wheelset_4", "turned", "hollow"}  # a law in laws.md, names in flexible.md, vehicle.md
-    allowed |= {item.name for thing in (Wagon, Suspension, *laws) for item in fields(thing)} | own
+    allowed |= {item.name for thing in (Wagon, Suspension, *laws) for item in fields(thing)} | own | set(NAMES)
     seen = set()
     for source in (DOCS / "how-to").glob("*.md"):
         for block in re.findall(r"^```toml\n(.*?)^```", source.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL):

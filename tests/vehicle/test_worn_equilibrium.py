@@ -70,6 +70,6 @@ def test_a_stall_below_the_acceptable_residual_is_an_equilibrium() -> None:
         unknowns=np.arange(1),
     )
     start = np.zeros(1)
-    assert _newton(problem, start, None, 1e-7, 1e-4, 60).residual == 1e-5  # type: ignore[arg-type]
+    assert _newton(problem, start, None, 1e-7, 1e-4).residual == 1e-5  # type: ignore[arg-type]
     with pytest.raises(StepFailure, match="stalled"):
-        _newton(problem, start, None, 1e-7, 1e-6, 60)  # type: ignore[arg-type]
+        _newton(problem, start, None, 1e-7, 1e-6)  # type: ignore[arg-type]

@@ -112,7 +112,15 @@ class IrregularityTable(SceneTable):
         """The file, relative to the scene's folder, as its full path."""
         if value is None:
             return None
-        return str(Path((info.context or {}).get("folder", "."), value).resolve())
+        from wheelrail.scenes.schema.irregularity_file import MOST
+        from wheelrail.support.text_file import FileRefused, read_text
+
+        file = Path((info.context or {}).get("folder", "."), value).resolve()
+        try:
+            read_text(file, MOST, foreign=True)
+        except FileRefused as error:
+            raise q.reject(str(error)) from None
+        return str(file)
 
     @property
     def measurement(self) -> Measurement:
