@@ -160,7 +160,7 @@ def duty(until: float, processes: int = 1, **more: Any) -> Dataset:
 
     begun = perf_counter(), process_time()
     with workers(processes, None) as executor:
-        loop = WearLoop(Duty(check_wear(table), Path("wear.toml")), executor, report)
+        loop = WearLoop(Duty(check_wear(table), Path("wear.toml")), None, report, executor)
         data = loop.run()
     seconds, processor = perf_counter() - begun[0], process_time() - begun[1]
     print(
