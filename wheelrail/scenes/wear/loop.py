@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 STEPS, RESULTS = "steps", "wear.nc"  # folder of the steps in that of the results, and the whole
+SAME = 1e-6  # m, of a measure of a new wheel and its limit
 TOGETHER = 0.5  # of the depth of a rail's step: rails that are due when another one reaches the whole
 ROUNDING = 1e-9  # of the whole distance: a rest that is none
 SOLVED = "solved"  # rates of the cases that a step solves, in its file: bytes of plain data
@@ -160,7 +161,8 @@ class WearLoop:
 
     def _begun(self) -> WearState:
         state = self._unworn()
-        for profile, name, value, limit in self._beyond_limits(state):
+        beyond = [found for found in self._beyond_limits(state) if abs(found[2] - found[3]) > SAME]
+        for profile, name, value, limit in beyond:
             raise SceneError(f"reprofile.{name} = {limit:g} m: {profile} is beyond it when new, with {value:.4g} m")
         if self.folder is not None:
             (self.folder / STEPS).mkdir(parents=True, exist_ok=True)
