@@ -97,7 +97,7 @@ class Style:
 
     def texts(self, content: str) -> list[str]:
         """Cells of a line with decimal points."""
-        return [text.replace(",", ".") if self.comma else text for text in self.split(content)]
+        return self.split(content.replace(",", ".") if self.comma else content)
 
     def cells(self, content: str) -> Cells:
         """Numbers of a line without its comment; none without a second cell."""
@@ -138,7 +138,7 @@ STYLES = (
 
 
 def style_of(lines: Sequence[str]) -> Style:
-    """The style that gives the most lines with equally many cells and two numbers, then the fewest cells without one."""
+    """The style that gives the most lines with equally many cells and two numbers, then the fewest other cells."""
     sample = [*lines[:SAMPLE], *lines[SAMPLE :: max(1, len(lines) // SAMPLE)]]  # lines may alternate
 
     def rank(style: Style) -> tuple[int, int]:
