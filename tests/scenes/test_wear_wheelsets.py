@@ -169,6 +169,7 @@ def test_sides_are_not_turned_apart() -> None:
         duty("sides", reprofile={"Sd": 26e-3, "apart": True})
 
 
-def test_a_limit_that_new_wheels_exceed_is_refused() -> None:
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_limit_that_new_wheels_exceed_is_refused(resume: bool, tmp_path: Path) -> None:
     with pytest.raises(SceneError, match=r"reprofile.Sd = 0.04 m: .* is beyond it when new, with 0.03"):
-        WearLoop(duty("one", reprofile={"Sd": 40e-3})).run()
+        WearLoop(duty("one", reprofile={"Sd": 40e-3}), tmp_path).run(resume=resume)

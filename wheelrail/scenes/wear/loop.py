@@ -161,9 +161,6 @@ class WearLoop:
 
     def _begun(self) -> WearState:
         state = self._unworn()
-        beyond = [found for found in self._beyond_limits(state) if abs(found[2] - found[3]) > SAME]
-        for profile, name, value, limit in beyond:
-            raise SceneError(f"reprofile.{name} = {limit:g} m: {profile} is beyond it when new, with {value:.4g} m")
         if self.folder is not None:
             (self.folder / STEPS).mkdir(parents=True, exist_ok=True)
             for file in self._files():
@@ -171,7 +168,12 @@ class WearLoop:
         return state
 
     def _unworn(self) -> WearState:
+        """New wheels and rails. Raises SceneError for a limit that these exceed."""
         state = WearState(self.duty.unworn(), {}, rails=self.duty.unworn_rails())
+        for profile, name, value, limit in self._beyond_limits(state):
+            if abs(value - limit) > SAME:
+                text = f"reprofile.{name} = {limit:g} m: {profile} is beyond it when new, with {value:.4g} m"
+                raise SceneError(text)
         return replace(state, renewed=state.surfaces)
 
     def _files(self) -> list[Path]:
