@@ -354,6 +354,8 @@ def irregularities(t: Table) -> None:
     t.uneven("uneven: column", good.replace("level", "height"), "row 1", "height", "cross_level")
     t.uneven("uneven: backwards", good.replace("\n7,", "\n3,", 1), "row 9", "s = 3", "greater than 6")
     t.uneven("uneven: stations in mm", good.replace("s,", "s [mm],", 1), "irregularities.fade", "0.199 m", "two fades")
+    far = "s, level\n" + "".join(f"{12000 + s}, 0.001\n" for s in range(200))
+    t.uneven("uneven: chainage of the line", far, "irregularities.file", "begins at 12000 m", "behind the track")
     t.uneven("uneven: picture", PNG, "not a text file")
     mixed = good.replace(", ", ";").replace("\n7;1.0", "\n7;1,0", 1)
     t.uneven("uneven: a decimal comma among points", mixed, "row 9", "level = '1,0'", "point")

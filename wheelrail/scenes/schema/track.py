@@ -312,10 +312,13 @@ class TrackLine(RailsTable):
         if self.irregularities is not None:
             try:
                 if self.irregularities.spectrum is None:
-                    self.irregularities.irregularities(self.length)
+                    first = self.irregularities.irregularities(self.length).stations[0]
                 elif self.irregularities.fade > self.length:
                     raise ValueError(f"must be at most the track length of {self.length:g} m")
             except ValueError as error:
                 key = "fade" if self.irregularities.joints is None else "joints.at"
                 raise q.reject(str(error), f"irregularities.{key}") from None
+            if self.irregularities.file is not None and first >= self.length:
+                text = f"begins at {first:g} m, behind the track, which ends at {self.length:g} m"
+                raise q.reject(f"{text}: stations count from its beginning", "irregularities.file")
         return self
