@@ -151,6 +151,15 @@ def test_bodies_that_need_finite_elements_are_refused(tmp_path: Path) -> None:
     assert exported.stderr.startswith(f"{scene}: a runtime folder has no 3D meshes")
 
 
+def test_a_standard_contact_is_solved_from_its_runtime(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    text = (ROOT / "scenes/wheelset.toml").read_text(encoding="utf-8")
+    scene.write_text(text.replace('"condensed"', '"standard"'), encoding="utf-8")
+    exported = CliRunner().invoke(app, ["export", "--c", str(tmp_path / "out"), str(scene), "--runtime"])
+    assert exported.exit_code == 0, exported.stderr
+    assert (tmp_path / "out/runtime/wheelrail/__init__.py").exists()
+
+
 def test_files_of_the_scene_are_in_the_runtime(tmp_path: Path) -> None:
     """A unit or a library needs no file beside it."""
     (tmp_path / "rail.txt").write_text("points")

@@ -63,7 +63,7 @@ def export_runtime(folder: Path, scene_folder: Path) -> None:
     """
     scene = load_scene(scene_folder / SCENE)
     if isinstance(scene, WheelsetScene) and (
-        scene.model in ("full", "table") or scene.discretisation.bodies == "solid"
+        scene.model in ("full", "table") or (scene.has_elements and scene.discretisation.bodies == "solid")
     ):
         models = 'model = "full", model = "table", bodies = "solid"'
         raise SceneError(f"a runtime folder has no 3D meshes and reads no NetCDF: not allowed with {models}")
