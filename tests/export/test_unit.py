@@ -161,7 +161,8 @@ def test_start_values_carry_the_load(load: str, total: float, tmp_path: Path) ->
 def test_units_of_fmi_3_live_side_by_side(unit3: Path, scene: Path, tmp_path: Path) -> None:
     """Two in one process: the element's numbers to the last bit, both derivatives; reset, freed and made again."""
     fmpy = pytest.importorskip("fmpy")
-    from fmpy.fmi3 import FMICallException, FMU3Slave
+    from fmpy.fmi1 import FMICallException
+    from fmpy.fmi3 import FMU3Slave
 
     folder = fmpy.extract(str(unit3), str(tmp_path / "a b"))
     description = fmpy.read_model_description(str(unit3))
