@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.interface import PAIR, REFUSED, in_c, in_python, loaded
+from benchmarks.endurance import endure
+from benchmarks.interface import LOADED, PAIR, REFUSED, SCENE, in_c, in_python, loaded
 from wheelrail.export.library import export_library
 
 
@@ -35,3 +36,12 @@ def test_times_of_loaded_wheels(tmp_path: Path) -> None:
     assert 0.0 < native < 1e5  # us
     assert 0.0 < python < 1e5
     assert growth < 1000
+
+
+def test_wild_inputs_leave_no_trace(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(SCENE.format(LOADED["standard"]), encoding="utf-8")
+    first, last = endure(scene, tmp_path / "made", 5000)
+    assert (first[0], last[0]) == (1000, 5000)
+    assert 4 <= last[2] <= 5  # -0.05 may be a state with forces
+    assert last[1] - first[1] < 1000  # kB, 0 to 200 measured
