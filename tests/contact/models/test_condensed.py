@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from contact_sphere import CONTACT_SPHERE
 from small_pairs import (
     AT_REST,
     BRICKS,
@@ -261,16 +262,6 @@ def test_two_patches() -> None:
 SPHERE_57 = hertzian((0.46, 0.46), 57e3)
 # Slip is a difference: the deformation that these blocks lack is nearly uniform under the patch.
 MESHES = {"tetrahedra": Block((12, 9), 24.0), "hexahedra": Block((12, 10), 16.0, "hexahedron", growth=0.6)}
-# Sphere of 0.46 m on a plane, 57 kN, mu = 0.3: creepages xi, eta, spin [1/m] and Fx, Fy over mu F, Mz over mu F a.
-# CONTACT (open source, revision 2707), extrapolated from grids of up to 200 x 40 elements, uncertain by 0.002.
-CONTACT = [
-    ((-0.00080085, 0.0, 0.0), (0.4283, 0.0, 0.0)),
-    ((0.0, -0.00092360, 0.0), (0.0, 0.4268, -0.1192)),
-    ((0.0, 0.0, 0.41399), (0.0, -0.4530, -0.2617)),
-    ((-0.00080085, -0.00055416, 0.16560), (0.3908, 0.0626, -0.1731)),
-    ((-0.00048051, 0.00055416, 0.24840), (0.2213, -0.5231, -0.1072)),
-    ((-0.0048051, -0.0036944, 2.48396), (0.4016, -0.0209, -0.5080)),
-]
 
 
 @cache
@@ -294,7 +285,7 @@ def test_creep_forces_against_contact(name: str, across: float) -> None:
     a = expected.semi_axes[0]
     errors = [
         resultants(model(at, rolling(*creepages))) / 0.3 / 57e3 / [1, 1, a] - reference
-        for creepages, reference in CONTACT
+        for creepages, reference in CONTACT_SPHERE
     ]
     # Staircase edge in steps of a tenth of the patch: errors of up to 10 % in area, largest in spin moments
     assert np.sqrt(np.mean(np.square(errors))) < 0.015
