@@ -75,7 +75,7 @@ def test_a_wheels_life() -> None:
 def test_a_vehicle_assessed() -> None:
     """Acceleration of the steady curve is the unbalanced one; friction raises the guiding force."""
     parameters = {"friction": {"low": 0.15, "high": 0.45}}
-    names = executed("12_a_vehicle_assessed.py", CURVES={300.0: (0.12, 22.0)}, LENGTH=160.0, PARAMETERS=parameters)
+    names = executed("12_a_vehicle_assessed.py", CURVES={300.0: (0.12, 22.0)}, LENGTH=110.0, PARAMETERS=parameters)
     (found,) = (
         own[own["criterion"]]
         for own in names["found"].data["estimates"]

@@ -1,5 +1,5 @@
 """Launcher of compilers that takes objects of the same command beside the sources, and compiles others without
-optimisation.
+optimisation. The library for other programs, which is made for this processor alone there, is taken for any.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ def wording(command: list[str], sources: Path, build: Path) -> str:
     places = {f"{build}/CMakeFiles/": "<build>/CMakeFiles/", sys.prefix: "<environment>", str(sources.parent): "<tree>"}
     for place, name in places.items():  # the environment may lie in the tree
         text = text.replace(place, name)
-    return text
+    library = re.sub(r"library[-_](baseline|x86[-_]64[-_]v3)", "library", text)
+    return library if library == text else library.replace(" -march=x86-64-v3", "")
 
 
 def compiled() -> dict[str, Path]:

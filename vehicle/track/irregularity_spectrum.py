@@ -21,6 +21,7 @@ Class = Literal["low", "high"]
 
 CUT, LONG, ROLL = 0.8246, 0.0206, 0.4380  # rad/m: Omega_c, Omega_r, Omega_s
 WAVES = 600
+BLOCK = 256  # samples whose waves are one table
 PER_WAVE = 20  # samples per shortest wavelength: relative error of the cubic spline 1e-4
 
 
@@ -83,12 +84,10 @@ class IrregularitySpectrum:
         amplitude = np.sqrt(2.0 * self(np.sqrt(edges[1:] * edges[:-1])) * widths[:, None])
         stations = np.linspace(0.0, length, int(np.ceil(length * PER_WAVE / shortest)) + 1, dtype=np.float64)
         waves = amplitude * np.exp(1j * phase)
-        values = np.vstack(
-            [
-                (np.exp(1j * np.outer(part, wave_number)) @ waves).real
-                for part in np.array_split(stations, 1 + len(stations) // 2000)
-            ]
-        )
+        parts = np.split(stations, np.arange(BLOCK, len(stations), BLOCK))
+        within = np.exp(1j * np.outer(parts[0], wave_number))  # exp(i O (s + t)) = exp(i O s) exp(i O t)
+        turned = [waves * np.exp(1j * part[0] * wave_number)[:, None] for part in parts]
+        values = np.vstack([(within[: len(part)] @ own).real for part, own in zip(parts, turned, strict=True)])
         return Irregularities.faded(stations, values, start=start, fade=fade)
 
 
