@@ -45,7 +45,8 @@ def built(sources: Path, out: Path, configured: Path) -> subprocess.CompletedPro
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-c", str(configured)]
     proxies = dict.fromkeys(("http_proxy", "https_proxy", "HTTP_PROXY", "HTTPS_PROXY"), NOWHERE)
     env = {**os.environ, **proxies, "PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
-    command += ["-D", "toc_object_entries=0"]  # copied into the navigation of every page, they take a third of the time
+    # Navigation by a theme, on every page, takes half of the time.
+    command += ["-D", "toc_object_entries=0", "-D", "html_theme=basic"]
     command += ["-d", str(out.with_name(out.name + "-doctrees")), str(sources), str(out)]
     return subprocess.run(command, capture_output=True, text=True, env=env, cwd=ROOT, timeout=300, check=False)
 
