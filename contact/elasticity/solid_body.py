@@ -18,7 +18,7 @@ from wheelrail.forms.compilation import compiled
 from wheelrail.forms.elasticity import lame, stiffness
 from wheelrail.meshes.bodies.extrusion import Solid
 from wheelrail.support.arrays import Array, Mask, Nodes
-from wheelrail.support.memory import check_memory, factor_memory
+from wheelrail.support.memory import check_memory, factor_memory, factor_seconds
 from wheelrail.support.mpi import SELF, Ranks
 
 log = logging.getLogger(__name__)
@@ -107,8 +107,8 @@ class ElasticBody:
     def factor(self) -> Any:
         """Sparse Cholesky factorisation of the stiffness, see `compat.set_cholesky`; RuntimeError if it fails."""
         unknowns = self.stiffness.getSize()[0]
-        memory = factor_memory(unknowns)
-        log.info("stiffness of a solid: %d unknowns, about %.1f GB of memory", unknowns, memory)
+        memory, seconds = factor_memory(unknowns), factor_seconds(unknowns)
+        log.info("stiffness of a solid: %d unknowns, about %.1f GB of memory, %.1f s", unknowns, memory, seconds)
         check_memory(f"stiffness of a solid: {unknowns} unknowns", memory / self.ranks.size)
         pc = PETSc.PC().create(self.ranks.comm)
         pc.setOperators(self.stiffness)

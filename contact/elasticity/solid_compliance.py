@@ -68,8 +68,7 @@ class SurfaceCompliance:
         """Symmetric compliance (d n, d n) [m/N], see `Compliance.turned`."""
         with FILLING:
             for direction in directions:
-                if not self._filled[nodes, direction].all():
-                    self._fill(nodes[~self._filled[nodes, direction]], direction)
+                self._fill(self._missing(nodes, direction), direction)
         unknowns = (3 * nodes[:, None] + np.asarray(directions)).ravel()
         return np.asarray(self._matrix[unknowns[:, None], unknowns])
 
@@ -78,9 +77,16 @@ class SurfaceCompliance:
         block = self.block(nodes, directions)
         return block_diagonal(np.ones((len(block), 1, 1))), block
 
-    def _fill(self, nodes: Nodes, direction: int) -> None:
-        row, line = np.divmod(nodes, self.shape[1])
-        missing = sorted(set(zip((row // TILE).tolist(), line.tolist(), strict=True)))
+    def columns_missing(self, nodes: Nodes, directions: Sequence[int] = ALL) -> int:
+        """Number of columns that a block takes and that are not in memory."""
+        return TILE * sum(len(self._missing(nodes, direction)) for direction in directions)
+
+    def _missing(self, nodes: Nodes, direction: int) -> list[tuple[int, int]]:
+        """Groups of nodes with columns that are not in memory."""
+        row, line = np.divmod(nodes[~self._filled[nodes, direction]], self.shape[1])
+        return sorted(set(zip((row // TILE).tolist(), line.tolist(), strict=True)))
+
+    def _fill(self, missing: Sequence[tuple[int, int]], direction: int) -> None:
         timer = ProgressTimer(log, f"compliance of a solid's surface in {'xyz'[direction]}, groups of nodes")
         for done, tile in enumerate(missing, 1):
             if self._load_cached(tile, direction):

@@ -11,6 +11,7 @@ from the last displacements.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from time import perf_counter
@@ -36,6 +37,13 @@ from wheelrail.contact.results.touching_material import symmetric
 from wheelrail.contact.solvers.tangent import TangentProblem, tangent_of
 from wheelrail.contact.solvers.tractions import ContactCompliance, Tractions
 from wheelrail.support.arrays import Array, Nodes
+from wheelrail.support.memory import check_memory, dense_seconds, solution_seconds
+
+log = logging.getLogger(__name__)
+
+MATRICES = 4.0  # of the size of a Newton step's dense one: compliance, its rows by components, product, factors
+STEPS = 7  # of Newton's method from zero
+LONG = 10.0  # s of a solve, from which on its time is logged
 
 
 @dataclass(frozen=True)
@@ -119,6 +127,7 @@ class FullContact:
         problem = DiscreteProblem.of(points, (self.wheel, self.rail), self.law, self.order, rigid)
         ready = perf_counter()
         self.law.at_speed(speed)
+        self._tell(problem)
         earlier = guess.warm_start if guess is not None and isinstance(guess.warm_start, FullStart) else None
         start = self._start(earlier), earlier_contact(earlier, points, self.law.components)
         u, z, forces, status, count = self._solve(problem, points.area, speed, *start)
@@ -161,6 +170,25 @@ class FullContact:
                 TangentProblem(points, pose.origin, motion, operator, rigid, speed, self.laws, tractions)
             )
         return replace(result, warm_start=FullStart(u, points.node, z, traction), force_tangent=tangent)
+
+    def _tell(self, problem: DiscreteProblem) -> None:
+        """Log memory and time of a solve if long. Raises TooLarge."""
+        preconditioner = self.solver.preconditioner
+        if preconditioner is None:
+            return
+        n, products, columns = len(problem.nodes), 0.0, 0.0
+        for body, operators, compliance in zip(
+            (self.wheel, self.rail), problem.operators, preconditioner.compliances, strict=True
+        ):
+            one = solution_seconds(body.stiffness.getSize()[0])
+            products += one
+            columns += one * compliance.columns_missing(operators.nodes, operators.directions)
+        dense = self.law.components * n
+        name = f"full model: {n} contact points"
+        check_memory(name, MATRICES * 8e-9 * dense**2)
+        step = dense_seconds(dense) + products
+        if columns + STEPS * step > LONG:
+            log.info("%s: about %.2g s per Newton step, at most %.2g s for compliances before", name, step, columns)
 
     def _start(self, earlier: FullStart | None) -> Array | None:
         """Displacements of an earlier result; None if they belong to other meshes or another distribution."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import weakref
 from dataclasses import dataclass
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -16,6 +18,9 @@ from wheelrail.contact.models.full.preconditioner import ContactPreconditioner, 
 from wheelrail.forms import compat
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
+from wheelrail.support.terminal import PERIOD
+
+log = logging.getLogger(__name__)
 
 LEVELS = (300.0, 10.0)  # multiples of the regularisation in the continuation
 ROUGH = 1e-2  # tolerance of the relative residual at these
@@ -77,6 +82,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         self._b, self._work = stiffness.createVecs()
         self._x = self._work.duplicate()
         self._halvings = 0  # largest number in the present attempt
+        self._told = 0.0  # s, time of the last message
         self._contact = 0.0  # norm of the contact forces, reference of the relative residual
         self._sought = options.tolerance  # relative residual
         self._predicted: Array = np.empty((0, 0))  # nodal forces by the last linear step
@@ -129,7 +135,7 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         continuation in the regularisation of friction, as by differences of F: Newton's method with the exact tangent
         does not converge directly on the nearly discontinuous law.
         """
-        self.problem, self.count = problem, FullIterationCount()
+        self.problem, self.count, self._told = problem, FullIterationCount(), monotonic()
         if self.preconditioner is not None and problem.compliance is None:
             problem.condense(self.preconditioner.compliances)
         law = problem.law
@@ -217,6 +223,10 @@ class Newton(compat.newton_base()):  # type: ignore[misc]
         # dolfinx continues after a failed linear solve: it is counted, and the Armijo rule limits the step
         self.count.failed_linear += self.krylov_solver.getConvergedReason() < 0
         start, residual = x.array_r.copy(), self.ranks.norm(self._b.array_r)
+        if (now := monotonic()) - self._told >= PERIOD:
+            self._told, relative = now, residual / max(self._contact, 1e-300)
+            text = "full model: %d Newton steps, relative residual %.0e before the last, %.0e sought"
+            log.info(text, self.count.newton, relative, self._sought)
         damping = 1.0
         x.array[:] = start - step.array_r
         for _ in range(self._halvings):

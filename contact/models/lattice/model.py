@@ -35,14 +35,13 @@ from wheelrail.contact.results.extrapolation import estimate
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import check_interrupt
-from wheelrail.support.memory import check_memory
+from wheelrail.support.memory import check_memory, dense_seconds
 
 log = logging.getLogger(__name__)
 
 Result = TypeVar("Result")
 
 MATRICES = 2.0  # of the size of the Jacobian: itself, its factors and slips in single precision
-SPEED = 5e9  # 1/s, operations of a factorisation on one core
 LONG = 2.0  # s per Newton step, from which on the time is logged
 START_CELLS = 8, 12, 16, 24  # along a strip, at a start without an earlier result
 PROBES = 6, 12  # along an unloaded strip, to find where its penetration is largest, and around there
@@ -251,7 +250,7 @@ class LatticeContact:
     def _check_size(self, strips: int) -> None:
         """Log memory and time of Newton's method on a number of strips if large. Raises TooLarge."""
         unknowns = strips * ((2 * self.cells if self.laws.frictional else 0) + len(self.basis.moments))
-        gigabytes, seconds = MATRICES * 8e-9 * unknowns**2, 2 / 3 * unknowns**3 / SPEED
+        gigabytes, seconds = MATRICES * 8e-9 * unknowns**2, dense_seconds(unknowns)
         name = f"{strips} strips, {self.cells} cells along each: {unknowns} unknowns"
         check_memory(name, gigabytes)
         if seconds > LONG:

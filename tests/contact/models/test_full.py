@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import logging
 import os
+import re
 import signal
 from typing import Any
 
 import numpy as np
 import pytest
-from small_pairs import AT_REST, BRICKS, CREEP, QUADRATIC, STEEL, TETRAHEDRA, condensed, full, rolling
+from small_pairs import AT_REST, BRICKS, CREEP, QUADRATIC, STEEL, TETRAHEDRA, compliance, condensed, full, rolling
 
+from wheelrail.contact.elasticity.solid_compliance import TILE
 from wheelrail.contact.kinematics.creepage import creepage
 from wheelrail.contact.kinematics.frames import Pose, RigidMotion
 from wheelrail.contact.laws.friction import FallingFriction
 from wheelrail.contact.laws.material import Material
 from wheelrail.contact.laws.parameters import ContactLaws
 from wheelrail.contact.loading.hertz import hertz_pose
+from wheelrail.contact.models.full import model as full_model
+from wheelrail.contact.models.full import newton
 from wheelrail.contact.models.full.discrete_problem import DiscreteProblem
 from wheelrail.contact.models.full.model import FullContact, FullStart
 from wheelrail.contact.models.full.newton import FullOptions
@@ -23,6 +28,7 @@ from wheelrail.contact.models.full.primal_dual import primal_dual_tangent
 from wheelrail.contact.results.result import ContactResult
 from wheelrail.support.arrays import Array
 from wheelrail.support.interrupts import deferred_interrupts
+from wheelrail.support.memory import TooLarge
 
 SIZE, RADIUS = 1e-3, 0.3
 FRICTIONLESS, ROLLING = ContactLaws(1e15, friction=0.0), ContactLaws(1e15, friction=0.3, regularisation=1e-5)
@@ -343,3 +349,34 @@ def test_ctrl_c_ends_newtons_method_at_its_next_step(monkeypatch: pytest.MonkeyP
     assert len(steps) == 1
     monkeypatch.undo()
     assert model(pose(3.2), AT_REST).status == "converged"
+
+
+def test_full_models_tell_time_and_progress(caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Columns of compliances that are missing are counted before they are solved: none of a second solve."""
+    contact, deep = full(TETRAHEDRA, (RADIUS, RADIUS), size=SIZE, laws=ROLLING), pose(3.2)
+    monkeypatch.setattr("wheelrail.support.memory.os.sysconf", lambda _: 400)
+    with pytest.raises(TooLarge, match=r"^full model: \d+ contact points: about .* GB of memory or more"):
+        contact(deep, CREEP)
+    monkeypatch.undo()
+    monkeypatch.setattr(full_model, "LONG", 0.0)
+    monkeypatch.setattr(newton, "PERIOD", 0.0)
+    for ends in (r"at most [0-9.e-]*[1-9][0-9.e-]* s", "at most 0 s"):
+        caplog.clear()
+        with caplog.at_level(logging.INFO, "wheelrail"):
+            result = contact(deep, CREEP)
+        told = [record.getMessage() for record in caplog.records if record.getMessage().startswith("full model")]
+        points = result.statistics.points
+        assert re.fullmatch(
+            rf"full model: {points} contact points: about \S+ s per Newton step, {ends} for compliances before", told[0]
+        )
+        assert [text.split(",")[0] for text in told[1:]] == [
+            f"full model: {step} Newton steps" for step in range(1, result.statistics.newton + 1)
+        ]
+
+
+def test_columns_of_a_compliance_are_counted_before_they_are_solved() -> None:
+    body = compliance(TETRAHEDRA, STEEL, SIZE)
+    nodes = np.arange(3)
+    count = body.columns_missing(nodes, (2,))
+    body.block(nodes, (2,))
+    assert (count, body.columns_missing(nodes, (2,))) == (3 * TILE, 0)
