@@ -81,6 +81,7 @@ struct LoadTarget {
     double deepest = 0.1;                    // m, largest depth below the start, or below the gap there
     Results guess = {};                      // initial guess of the first solve
     std::optional<double> known_slope = {};  // of F^(2/3) by depth at the start, if known from a similar contact
+    double usual = UNBOUNDED;  // m, overlap from which on steps do not grow with it: where it makes solves long
 };
 
 class LoadSearch : LoadTarget {
@@ -144,7 +145,8 @@ class LoadSearch : LoadTarget {
 
     void advance(double value, double penetration, double gap, long trial) {
         if (value > 0.0) {
-            double room = 3.0 * std::max(penetration, expected);
+            // within a step another contact may begin, stiffer than that of a flange which overlaps by millimetres
+            double room = 3.0 * std::max(std::min(penetration, usual), expected);
             depth += slope > 0.0 ? std::clamp((target - value) / slope, -room, room) : expected;
         } else {
             if (gap > stride) stride = expected;

@@ -124,6 +124,7 @@ inline LoadSolution depth_of_wheels(const LoweredWheelset& wheels, const Sides& 
         for (int side : sides) start = std::min(start, initial_depth(wheels, side, expected));
     LoadTarget to{load, expected, start, rtol, DEEPEST_WHEEL};
     if (first) to.guess = first->results, to.known_slope = first->slope;
+    if (std::any_of(sides.begin(), sides.end(), [&](int side) { return wheels.on_strips[side]; })) to.usual = HELD;
     auto lowered = [&](double depth, const Results& earlier) {
         Results results;
         for (std::size_t i = 0; i < sides.size(); ++i)

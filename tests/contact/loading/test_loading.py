@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from spring_contact import SpringContact
 
-from wheelrail.bindings._contact import JUMP, RTOL, sphere_approach
+from wheelrail.bindings._contact import JUMP, RTOL, LoweredWheelset, sphere_approach
 from wheelrail.contact.kinematics.frames import RigidMotion, Side, Twist
 from wheelrail.contact.kinematics.wheelset_state import Mounting, WheelsetState
 from wheelrail.contact.loading.hertz import hertz_under_load
@@ -96,6 +96,31 @@ def test_penalty_and_second_patch_do_not_slow_it_down() -> None:
     found = find_depth_for_load(lambda d, _: pushed(force(max(d, 0.0)), d), 80e3, expected=6e-5)
     assert force(found.depth) == pytest.approx(80e3, rel=1e-9)
     assert found.trials <= 8
+
+
+@pytest.mark.parametrize(("on_strips", "within"), [(True, 10.0), (False, 20.0)])
+def test_a_soft_flange_does_not_lead_strips_deep_into_the_next_contact(on_strips: bool, within: float) -> None:
+    """A flange that carries a third of the load at 6.4 mm, where the tread begins to touch, as stiff as Hertz's.
+
+    Where deep solves cost no more, steps are in proportion to the overlap, and fewer.
+    """
+    load, forces = 184e3, [0.0]
+
+    def force(depth: float) -> float:
+        return (2.5e5 * max(depth, 0.0)) ** 1.5 + (1.9e7 * max(depth - 6.4e-3, 0.0)) ** 1.5
+
+    def solve(_side: int, z: float, _roll: float, _earlier: object) -> ContactResult:
+        forces.append(force(-z))
+        return pushed(forces[-1], -0.4 * z)[0]
+
+    def overlap(_side: int, z: float, _roll: float) -> float:
+        return -0.4 * z
+
+    wheels = LoweredWheelset(0.0, 0.0, 0.75, solve, overlap, [on_strips] * 2, solve, [False] * 2)
+    z, *_ = wheels.under_load([0], load, 1.7e-4, RTOL)
+    assert force(-z) == pytest.approx(load, rel=1e-9)
+    assert max(forces) < within * load
+    assert len(forces) <= (26 if on_strips else 16)
 
 
 def test_search_ends_despite_contact_noise() -> None:
