@@ -38,10 +38,10 @@ def factor_seconds(unknowns: float) -> float:
 
 
 def solution_seconds(unknowns: float) -> float:
-    """Time of a solution with these factors, which reads them."""
+    """Time of one solution with the Cholesky factors of a stiffness."""
     return 1e9 * factor_memory(unknowns) / READING
 
 
 def dense_seconds(unknowns: float) -> float:
-    """Time of Gaussian elimination."""
+    """Time of Gaussian elimination of a dense matrix."""
     return 2 / 3 * unknowns**3 / SPEED
