@@ -44,4 +44,5 @@ def test_contact_without_a_home_folder(tmp_path: Path, home: str | None, text: s
     done = subprocess.run(line, env=environment, cwd=tmp_path, capture_output=True, text=True, timeout=550)
     assert done.returncode == 0, done.stderr
     assert '"status": "converged"' in done.stdout
-    assert os.listdir(tmp_path) == ["scene.toml"]
+    left = [name for name in os.listdir(tmp_path) if not name.startswith("ompi.")]  # Open MPI 5 keeps a folder
+    assert left == ["scene.toml"]
