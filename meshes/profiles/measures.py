@@ -5,8 +5,9 @@ Definitions and limits are from memory of the standards: `LIMITS` says so.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -45,6 +46,15 @@ LIMITS = {
 _UNITS = {"removed_section": (1e6, "mm²"), "removed_mass": (1.0, "kg")}  # others: mm
 
 
+def outside_limits(values: Mapping[str, Any], limits: Mapping[str, Limit] = LIMITS) -> dict[str, str]:
+    """Words on values m outside their limits, both by name."""
+    return {
+        name: f"{name} = {1e3 * value:.2f} mm, limits {1e3 * limit.least:g} to {1e3 * limit.most:g} ({limit.source})"
+        for name, limit in limits.items()
+        if (value := values.get(name, np.nan)) < limit.least or value > limit.most
+    }
+
+
 class _Measures:
     """Numbers in m, m2 and kg, NaN with a remark where a shape has none."""
 
@@ -59,13 +69,9 @@ class _Measures:
         )
         return "; ".join([", ".join(numbers), *self.remarks])
 
-    def beyond(self, limits: dict[str, Limit] = LIMITS) -> list[str]:
+    def beyond(self, limits: Mapping[str, Limit] = LIMITS) -> list[str]:
         """Words on measures outside their limits, by name."""
-        return [
-            f"{name} = {1e3 * value:.2f} mm, limits {1e3 * limit.least:g} to {1e3 * limit.most:g} ({limit.source})"
-            for name, limit in limits.items()
-            if (value := getattr(self, name, np.nan)) < limit.least or value > limit.most
-        ]
+        return list(outside_limits(vars(self), limits).values())
 
 
 @dataclass(frozen=True)

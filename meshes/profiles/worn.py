@@ -30,6 +30,7 @@ REACH = DEGREE // 2  # cells on both sides that a coefficient of the depth acts 
 BAND = np.array([1.0, 26.0, 66.0, 26.0, 1.0]) / 120.0  # means over cells of the B-spline of degree 4
 AREA = 1e-12  # of all removed area
 ITERATIONS = 500
+INVERSE_SPACING = 5e-5  # m, of samples between which the worn curve is as long as straight
 SECTION_SPACING = 2e-5  # m, of the trapezoidal rule between two profiles: 1e-6 of the section of bumps of 3 mm
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)  # type: ignore[no-untyped-call]
 _C = TypeVar("_C", bound=Curve)
@@ -75,6 +76,14 @@ def new_arc_length(new: Curve, worn: Curve, s: ArrayLike) -> Array:
     places = np.asarray(s, dtype=float)
     on = np.clip(places, *worn.s_range)
     return np.asarray(new.closest(worn.point(on)).s + places - on)
+
+
+def worn_arc_length(new: Curve, worn: Curve, s: Array) -> Array:
+    """Arc lengths (n,) m on the worn profile of ascending places s (n,) m of the new one, as of `new_arc_length`."""
+    samples = np.linspace(*worn.s_range, 1 + int(np.ceil(np.ptp(worn.s_range) / INVERSE_SPACING)))
+    on = np.maximum.accumulate(new_arc_length(new, worn, samples))
+    on, first = np.unique(on, return_index=True)
+    return np.asarray(np.interp(s, on, samples[first]))
 
 
 class RemovedSection(NamedTuple):

@@ -395,6 +395,14 @@ def test_remarks_tell_what_limits_results(steps: tuple[Dataset, Path], tmp_path:
     narrow = data.copy(deep=True)
     narrow["depth_rate"].values[0, 0, 0] = np.where(np.abs(data["s"].values) < 4e-3, 1e-12, 0.0)
     assert "100 % of its wear lies in 10 mm: a groove" in "; ".join(remarks(narrow))
+    assert "limits 6.5" not in said
+    assert "sharper" not in said
+    worn, km = data.copy(deep=True), f"{1e-3 * data['distance'].values[-1]:.0f} km"
+    worn["qR"].values[-1] = 6.4e-3
+    worn["depth"].values[-1, 0] += np.maximum(0.3e-3 - 0.5 * data["s"].values ** 2 / 3e-3, 0.0)  # a radius of 3 mm
+    told = "; ".join(remarks(worn))
+    assert f"wheel, {km}: qR = 6.40 mm, limits 6.5" in told
+    assert f"wheel, from {km} on: grooves sharper than gauge corners of rails, to a radius of 3." in told
     straight = {"share": 1.0, "steady": {"curvature": 0.0, "speed": 30.0}}
     assert wear(straight, folder=tmp_path / "new", resume=True).attrs["status"] == "completed"
 

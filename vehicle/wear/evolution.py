@@ -10,11 +10,12 @@ import numpy as np
 
 from wheelrail.contact.wear.strips import Place, ProfileGrid, ProfileRates, total
 from wheelrail.meshes.profiles.profile import Profile
-from wheelrail.meshes.profiles.worn import new_arc_length
+from wheelrail.meshes.profiles.worn import new_arc_length, worn_arc_length
 from wheelrail.support.arrays import Array
 from wheelrail.vehicle.wear.smoothing import Step, step
 
 REACHED = 1e-6  # of the depth of a step: rounding of passages
+LEAST_WIDTH = 0.1  # of that of a new cell: of a worn one at edges, where normals meet
 LOST = 1e-6  # of the removed volume: largest part beyond the ends of a profile
 
 
@@ -66,6 +67,14 @@ class WearingProfile:
         except ValueError as error:
             raise ValueError(f"{self.new.name}: {error}") from None
 
+    @cached_property
+    def widths(self) -> Array:
+        """Widths (n,) m of the cells on the worn profile: deeper hollows are longer."""
+        if self.present is self.new:
+            return np.full(len(self.removed), self.width)
+        bounds = worn_arc_length(self.new, self.present, self.grid.bounds)
+        return np.maximum(np.diff(bounds), LEAST_WIDTH * self.width)
+
     @property
     def place(self) -> Place | None:
         """Arc length on the new profile by that of the present one; None where they are the same."""
@@ -86,12 +95,12 @@ class WearingProfile:
         if rates.outside > LOST * (removed.sum() + rates.outside):
             share = rates.outside / (removed.sum() + rates.outside)
             raise OffTheProfile(f"{100 * share:.2g} % of the wear lies beyond the ends of {self.new.name}")
-        rate = np.where(rates.pressed > 0.0, removed, 0.0) / self.width
-        return step(rate, rates.pressure, modulus=modulus, width=self.width, depth=depth, distance=distance)
+        rate = np.where(rates.pressed > 0.0, removed, 0.0) / self.widths
+        return step(rate, rates.pressure, modulus=modulus, width=self.widths, depth=depth, distance=distance)
 
     def after(self, step: Step) -> WearingProfile:
         """The profile after a step."""
-        return replace(self, removed=self.removed + step.depth * self.width)
+        return replace(self, removed=self.removed + step.depth * self.widths)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ A wave of wavenumber k and depth d of a profile changes the pressure by -E* k d 
 eq. 13.2), and the depth of the next explicit step by -L k d with L = D E* / (2 p), D its depth and p the pressure:
 waves shorter than pi L grow. With depths F = 1 / (1 + (l k)^2) times the explicit ones, l = L / 2, a step leaves
 1 - L k F of a wave, which lies between 0 and 1 for all k. The filter moves material by l, which vanishes with the step.
+Cells are those of the worn profile: on the new one even wear would be uneven beside jumps of the curvature.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.linalg import solveh_banded
 from scipy.optimize import brentq
 
@@ -40,14 +42,14 @@ class Step(NamedTuple):
     length: Array
 
 
-def smoothing_length(depth: Array, pressure: Array, *, modulus: float, width: float) -> Array:
+def smoothing_length(depth: Array, pressure: Array, *, modulus: float, width: ArrayLike) -> Array:
     """Length l (n,) m of the filter in cells: D E* / (4 p), and falling with slope 1 beside larger ones.
 
     Parameters:
         depth: (n,) m, explicit depth D of the step.
         pressure: (n,) Pa, mean where the depth comes from; positive in cells of 1 % of the largest depth or more.
         modulus: E*, Pa.
-        width: of cells, m.
+        width: of the cells, m, one for all or (n,).
 
     Raises ValueError.
     """
@@ -57,27 +59,28 @@ def smoothing_length(depth: Array, pressure: Array, *, modulus: float, width: fl
     if not (pressure[worn] > 0.0).all():
         raise ValueError("cells with wear must have a positive pressure")
     length = np.where(worn, 0.25 * modulus * depth / np.where(worn, pressure, 1.0), 0.0)
-    s = TAPER * width * np.arange(len(depth))
+    widths = np.broadcast_to(width, len(depth))
+    s = TAPER * (np.cumsum(widths) - 0.5 * widths)
     rising = np.maximum.accumulate(length + s) - s  # from the left
     falling = np.maximum.accumulate((length - s)[::-1])[::-1] + s
     return np.asarray(np.maximum(rising, falling))
 
 
-def smoothed(depth: Array, length: Array, width: float) -> Array:
-    """Solution (n,) m of d - (l^2 d')' = D without flux at both ends, in equal cells: never negative, of the same sum.
+def smoothed(depth: Array, length: Array, width: ArrayLike) -> Array:
+    """Solution (n,) m of d - (l^2 d')' = D without flux at both ends, in cells: never negative, of the same section.
 
     Parameters:
         depth: (n,) m, D.
         length: (n,) m, l.
-        width: of cells, m.
+        width: of the cells, m, one for all or (n,).
     """
-    ratio = _ratio(length / width)
-    between = 0.5 * (ratio[1:] + ratio[:-1])
-    bands = np.ones((2, len(depth)))
-    bands[0, 0], bands[0, 1:] = 0.0, -between
+    widths = np.broadcast_to(width, len(depth))
+    flux = _ratio(length / widths) * widths
+    between = 0.5 * (flux[1:] + flux[:-1])
+    bands = np.stack([np.concatenate([[0.0], -between]), widths])
     bands[1, 1:] += between
     bands[1, :-1] += between
-    return np.asarray(solveh_banded(bands, depth))
+    return np.asarray(solveh_banded(bands, widths * depth))
 
 
 def _ratio(x: Array) -> Array:
@@ -99,14 +102,16 @@ def step_factor(depth: float, pressure: float, wavenumber: Array, *, modulus: fl
     return np.asarray(1.0 - L * wavenumber / (1.0 + 4.0 * ratio * np.sin(0.5 * wavenumber * width) ** 2))
 
 
-def step(rate: Array, pressure: Array, *, modulus: float, width: float, depth: float, distance: float = np.inf) -> Step:
+def step(
+    rate: Array, pressure: Array, *, modulus: float, width: ArrayLike, depth: float, distance: float = np.inf
+) -> Step:
     """The step whose largest smoothed depth is given, but for its longest distance.
 
     Parameters:
         rate: (n,) m of depth per m of distance, or per passage.
         pressure: (n,) Pa, as for `smoothing_length`.
         modulus: E*, Pa.
-        width: of cells, m.
+        width: of the cells, m, one for all or (n,).
         depth: largest of the step, m.
         distance: longest, m or passages.
 

@@ -295,7 +295,8 @@ class WearLoop:
         for number, (name, own) in enumerate(state.profiles.items()):
             for rates in found.values():
                 for case in rates:
-                    case[number] = smoothed(case[number], steps[name].length, own.width)
+                    part = own.width / own.widths  # of the new width, on which the rates are
+                    case[number] = smoothed(case[number] * part, steps[name].length, own.widths) / part
         return found | {"smoothing_length": np.stack([own.length for own in steps.values()])}
 
     def _case_rates(self, state: WearState, cases: Sequence[tuple[int, Case]]) -> Iterator[CaseRates]:

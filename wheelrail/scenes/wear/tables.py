@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wheelrail.meshes.profiles.measures import LIMITS, outside_limits
 from wheelrail.scenes.datasets.result_table import Column, ResultTable
 from wheelrail.scenes.datasets.wear import WEAR
+from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 MOST = 12  # rows of steps
 SEVERE, CHANGING = 0.01, 0.1  # shares of the severe branch and of the error of a step that are told
 GROOVE, NARROW = 10e-3, 0.8  # m, width of a groove, and share of a case's wear in a groove
+LARGE = 0.42  # m, radius of wheels from which on limits hold
+CORNER = 5e-3  # m: gauge corners of rails have radii of 8 to 13 mm
 BALANCED = 1e-4  # of a wheel load, residual of equilibria that is told
 NAMES = ("distance", "depth", "Sh", "Sd", "qR", "hollow", "removed_section", "conicity", "step_error")
 RAIL_MEASURES = ("W1", "W3", "rail_section")
@@ -30,8 +34,8 @@ def tables(data: Dataset) -> list[ResultTable]:
 
 
 def remarks(data: Dataset) -> list[str]:
-    """Words on limits of the results: severe branches, long steps, balance, narrow grooves, coefficients."""
-    found = []
+    """Words on limits: of wheels in service, severe branches, long steps, balance, grooves, coefficients."""
+    found = [words for number in range(data.sizes["profile"]) for words in _worn_out(data.isel(profile=number))]
     severe = np.nanmax(data["severe_share"].values, initial=0.0)
     if severe > SEVERE:
         found.append(f"up to {100 * severe:.0f} % of the wear by {data.attrs['law_remark']}")
@@ -54,6 +58,39 @@ def remarks(data: Dataset) -> list[str]:
     if data.attrs["law_unsure"]:
         found.append(f"not compared with the source of the law: {data.attrs['law_unsure']}")
     return found
+
+
+def _worn_out(own: Dataset) -> list[str]:
+    """Words on one profile: measures where they leave their limits first, and grooves that no rail fits."""
+    name, km, told = str(own["profile"].values), 1e-3 * own["distance"].values, dict[str, str]()
+    outside = [outside_limits({key: float(own[key].values[step]) for key in LIMITS}) for step in range(len(km))]
+    if own["rolling_radius"].values[0] > LARGE:
+        for place, words in zip(km, outside, strict=True):
+            told |= {
+                key: f"{name}, {place:.0f} km: {words[key]}" for key in words.keys() - told.keys() - outside[0].keys()
+            }
+    sharp = np.stack([_concave(own, depth) for depth in own["depth"].values])
+    if len(steps := np.flatnonzero(sharp.max(axis=1) > 1.0 / CORNER)):
+        s = own["s"].values[sharp.max(axis=0).argmax()]
+        told["grooves"] = (
+            f"{name}, from {km[steps[0]]:.0f} km on: grooves sharper than gauge corners of rails, to a radius of "
+            f"{1e3 / sharp.max():.1f} mm at s = {1e3 * s:.0f} mm: the duty has few cases, or the contact is noisy"
+        )
+    return list(told.values())
+
+
+def _concave(own: Dataset, depth: Array) -> Array:
+    """Concave curvature (n,) 1/m of a worn profile, over two cells on both sides; 0 where none is worn."""
+    new = np.column_stack([own["new_y"].values, own["new_z"].values])
+    along = np.gradient(new, axis=0)
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    worn = new - depth[:, None] * np.column_stack([-along[:, 1], along[:, 0]])
+    before, after = worn[2:-2] - worn[:-4], worn[4:] - worn[2:-2]
+    sides = [np.linalg.norm(part, axis=1) for part in (before, after, before + after)]
+    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    found = np.zeros(len(depth))
+    found[2:-2] = 2.0 * turn / np.prod(sides, axis=0)
+    return np.where(depth > 0.0, found, 0.0)
 
 
 def _steps(data: Dataset, number: int) -> ResultTable:
