@@ -399,10 +399,10 @@ def test_remarks_tell_what_limits_results(steps: tuple[Dataset, Path], tmp_path:
     assert "sharper" not in said
     worn, km = data.copy(deep=True), f"{1e-3 * data['distance'].values[-1]:.0f} km"
     worn["qR"].values[-1] = 6.4e-3
-    worn["depth"].values[-1, 0] += np.maximum(0.3e-3 - 0.5 * data["s"].values ** 2 / 3e-3, 0.0)  # a radius of 3 mm
+    worn["groove"].values[-1] = 3e-3
     told = "; ".join(remarks(worn))
     assert f"wheel, {km}: qR = 6.40 mm, limits 6.5" in told
-    assert f"wheel, from {km} on: grooves sharper than gauge corners of rails, to a radius of 3." in told
+    assert f"wheel, from {km} on: grooves sharper than gauge corners of rails, to a radius of 3.0 mm" in told
     straight = {"share": 1.0, "steady": {"curvature": 0.0, "speed": 30.0}}
     assert wear(straight, folder=tmp_path / "new", resume=True).attrs["status"] == "completed"
 

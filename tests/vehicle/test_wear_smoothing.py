@@ -133,3 +133,13 @@ def test_even_wear_of_a_worn_profile_stays_even() -> None:
     s, distance, _ = own.new.closest(own.present.point(own.present.samples(2e-4)))
     inside = (s > -0.046) & (s < 0.006)
     assert np.ptp(distance[inside]) < 0.015 * -distance[inside].mean()  # in cells of the new profile 0.067
+
+
+@pytest.mark.parametrize("radius", [6e-3, 12e-3])
+def test_radius_of_a_groove(radius: float) -> None:
+    """A wave of 10 mm in a tread that is nearly straight."""
+    wheel = WearingProfile.unworn(named_profile("S1002"), 0.46)
+    assert np.isnan(wheel.groove)
+    x = np.pi * (0.5 * (wheel.grid.bounds[1:] + wheel.grid.bounds[:-1]) - 0.01) / 5e-3
+    depth = (5e-3 / np.pi) ** 2 / radius * (1.0 + np.cos(np.clip(x, -np.pi, np.pi)))
+    assert replace(wheel, removed=depth * wheel.width).groove == pytest.approx(radius, rel=0.06)

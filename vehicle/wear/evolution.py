@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from itertools import pairwise
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from wheelrail.vehicle.wear.smoothing import Step, step
 
 REACHED = 1e-6  # of the depth of a step: rounding of passages
 LEAST_WIDTH = 0.1  # of that of a new cell: of a worn one at edges, where normals meet
+CHORD = 1e-3  # m
 LOST = 1e-6  # of the removed volume: largest part beyond the ends of a profile
 
 
@@ -74,6 +76,18 @@ class WearingProfile:
             return np.full(len(self.removed), self.width)
         bounds = worn_arc_length(self.new, self.present, self.grid.bounds)
         return np.maximum(np.diff(bounds), LEAST_WIDTH * self.width)
+
+    @property
+    def groove(self) -> float:
+        """Least concave radius m where the profile is worn, of circles through points `CHORD` apart; NaN without."""
+        middle = 0.5 * (self.grid.bounds[1:] + self.grid.bounds[:-1])[self.removed > 0.0]
+        s = worn_arc_length(self.new, self.present, middle) if len(middle) else middle
+        points = [self.present.point(np.clip(s + shift, *self.present.s_range)) for shift in (-CHORD, 0.0, CHORD)]
+        first, second = (b - a for a, b in pairwise(points))
+        turn = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+        sides = np.prod([np.linalg.norm(side, axis=1) for side in (first, second, first + second)], axis=0)
+        concave = turn > 0.0
+        return float((0.5 * sides[concave] / turn[concave]).min(initial=np.inf)) if concave.any() else np.nan
 
     @property
     def place(self) -> Place | None:

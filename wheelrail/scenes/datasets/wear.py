@@ -55,6 +55,7 @@ WEAR: Schema = {
     "Sd": Quantity(OF_PROFILE, "m", "flange thickness", label="Sd", shown="mm", digits=2),
     "qR": Quantity(OF_PROFILE, "m", "flange gradient", label="qR", shown="mm", digits=2),
     "hollow": Quantity(OF_PROFILE, "m", "depth of a hollow tread", label="hollow", shown="mm", digits=2),
+    "groove": Quantity(OF_PROFILE, "m", "least concave radius where the profile is worn, over 2 mm"),
     "rolling_radius": Quantity(OF_PROFILE, "m", "radius at the rolling circle", label="radius", shown="mm", digits=2),
     "removed_section": Quantity(OF_PROFILE, "m2", "removed section", label="section", shown="mm²", digits=2),
     "removed_mass": Quantity(OF_PROFILE, "kg", "removed mass of a wheel", label="mass", digits=3),
@@ -104,6 +105,7 @@ def state_values(
         "conicity": conicity,
         "removed_area": np.stack([own.removed for own in profiles.values()]),
         "depth": np.stack([own.depth for own in profiles.values()]),
+        "groove": np.array([own.groove for own in profiles.values()]),
         **{name: np.array([getattr(own, name) for own in measures]) for name in MEASURES},
     }
 

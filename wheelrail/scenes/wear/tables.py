@@ -11,7 +11,6 @@ import numpy as np
 from wheelrail.meshes.profiles.measures import LIMITS, outside_limits
 from wheelrail.scenes.datasets.result_table import Column, ResultTable
 from wheelrail.scenes.datasets.wear import WEAR
-from wheelrail.support.arrays import Array
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -69,28 +68,12 @@ def _worn_out(own: Dataset) -> list[str]:
             told |= {
                 key: f"{name}, {place:.0f} km: {words[key]}" for key in words.keys() - told.keys() - outside[0].keys()
             }
-    sharp = np.stack([_concave(own, depth) for depth in own["depth"].values])
-    if len(steps := np.flatnonzero(sharp.max(axis=1) > 1.0 / CORNER)):
-        s = own["s"].values[sharp.max(axis=0).argmax()]
+    if len(steps := np.flatnonzero(own["groove"].values < CORNER)):
         told["grooves"] = (
             f"{name}, from {km[steps[0]]:.0f} km on: grooves sharper than gauge corners of rails, to a radius of "
-            f"{1e3 / sharp.max():.1f} mm at s = {1e3 * s:.0f} mm: the duty has few cases, or the contact is noisy"
+            f"{1e3 * np.nanmin(own['groove'].values):.1f} mm: the duty has few cases, or the contact is noisy"
         )
     return list(told.values())
-
-
-def _concave(own: Dataset, depth: Array) -> Array:
-    """Concave curvature (n,) 1/m of a worn profile, over two cells on both sides; 0 where none is worn."""
-    new = np.column_stack([own["new_y"].values, own["new_z"].values])
-    along = np.gradient(new, axis=0)
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
-    worn = new - depth[:, None] * np.column_stack([-along[:, 1], along[:, 0]])
-    before, after = worn[2:-2] - worn[:-4], worn[4:] - worn[2:-2]
-    sides = [np.linalg.norm(part, axis=1) for part in (before, after, before + after)]
-    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    found = np.zeros(len(depth))
-    found[2:-2] = 2.0 * turn / np.prod(sides, axis=0)
-    return np.where(depth > 0.0, found, 0.0)
 
 
 def _steps(data: Dataset, number: int) -> ResultTable:
