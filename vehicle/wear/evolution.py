@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import pairwise
 
 import numpy as np
 
@@ -70,24 +69,23 @@ class WearingProfile:
             raise ValueError(f"{self.new.name}: {error}") from None
 
     @cached_property
+    def bounds(self) -> Array:
+        """Bounds (n + 1,) m of the cells on the worn profile."""
+        same = self.present is self.new
+        return self.grid.bounds if same else worn_arc_length(self.new, self.present, self.grid.bounds)
+
+    @property
     def widths(self) -> Array:
         """Widths (n,) m of the cells on the worn profile: deeper hollows are longer."""
-        if self.present is self.new:
-            return np.full(len(self.removed), self.width)
-        bounds = worn_arc_length(self.new, self.present, self.grid.bounds)
-        return np.maximum(np.diff(bounds), LEAST_WIDTH * self.width)
+        return np.maximum(np.diff(self.bounds), LEAST_WIDTH * self.width)
 
     @property
     def groove(self) -> float:
         """Least concave radius m where the profile is worn, of circles through points `CHORD` apart; NaN without."""
-        middle = 0.5 * (self.grid.bounds[1:] + self.grid.bounds[:-1])[self.removed > 0.0]
-        s = worn_arc_length(self.new, self.present, middle) if len(middle) else middle
-        points = [self.present.point(np.clip(s + shift, *self.present.s_range)) for shift in (-CHORD, 0.0, CHORD)]
-        first, second = (b - a for a, b in pairwise(points))
-        turn = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-        sides = np.prod([np.linalg.norm(side, axis=1) for side in (first, second, first + second)], axis=0)
-        concave = turn > 0.0
-        return float((0.5 * sides[concave] / turn[concave]).min(initial=np.inf)) if concave.any() else np.nan
+        s = 0.5 * (self.bounds[1:] + self.bounds[:-1])[self.removed > 0.0] + np.array([[-CHORD], [0.0], [CHORD]])
+        first, second = np.diff(self.present.point(np.clip(s, *self.present.s_range)) @ [1.0, 1j], axis=0)
+        curvature = 2.0 * (first.conj() * second).imag / np.abs(first * second * (first + second))
+        return 1.0 / most if (most := float(curvature.max(initial=0.0))) > 0.0 else np.nan
 
     @property
     def place(self) -> Place | None:

@@ -61,19 +61,18 @@ def remarks(data: Dataset) -> list[str]:
 
 def _worn_out(own: Dataset) -> list[str]:
     """Words on one profile: measures where they leave their limits first, and grooves that no rail fits."""
-    name, km, told = str(own["profile"].values), 1e-3 * own["distance"].values, dict[str, str]()
+    name, km = str(own["profile"].values), 1e-3 * own["distance"].values
     outside = [outside_limits({key: float(own[key].values[step]) for key in LIMITS}) for step in range(len(km))]
-    if own["rolling_radius"].values[0] > LARGE:
-        for place, words in zip(km, outside, strict=True):
-            told |= {
-                key: f"{name}, {place:.0f} km: {words[key]}" for key in words.keys() - told.keys() - outside[0].keys()
-            }
-    if len(steps := np.flatnonzero(own["groove"].values < CORNER)):
-        told["grooves"] = (
+    first = {key: next((i for i, words in enumerate(outside) if key in words), 0) for key in LIMITS}
+    large = own["rolling_radius"].values[0] > LARGE
+    told = [f"{name}, {km[i]:.0f} km: {outside[i][key]}" for key, i in first.items() if large and i > 0]
+    groove = own["groove"].values if "groove" in own else np.full(len(km), np.nan)  # older results have none
+    if len(steps := np.flatnonzero(groove < CORNER)):
+        told.append(
             f"{name}, from {km[steps[0]]:.0f} km on: grooves sharper than gauge corners of rails, to a radius of "
-            f"{1e3 * np.nanmin(own['groove'].values):.1f} mm: the duty has few cases, or the contact is noisy"
+            f"{1e3 * np.nanmin(groove):.1f} mm: the duty has few cases, or the contact is noisy"
         )
-    return list(told.values())
+    return told
 
 
 def _steps(data: Dataset, number: int) -> ResultTable:
