@@ -74,7 +74,7 @@ MAY_IMPORT |= {
     "vehicle": {f"vehicle.{name}" for name in ("loads", "multibody", "simulation", "steady", "track", "wagon")},
     "vehicle.wagon": {"support"},
     "vehicle.loads": {"support"},
-    "vehicle.evaluation": {"support"},
+    "vehicle.evaluation": {"contact.kinematics", "support"},
     "vehicle.integration": {"support"},
     "vehicle.wear": {f"contact.{name}" for name in ("kinematics", "laws", "results", "wear")}
     | {"meshes.profiles", "support"},

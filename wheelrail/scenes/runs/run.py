@@ -23,6 +23,7 @@ from wheelrail.scenes.runs.steady import failures_as_run_failed
 from wheelrail.scenes.schema.errors import SceneError
 from wheelrail.scenes.schema.scene import RunScene
 from wheelrail.scenes.schema.toml import parse
+from wheelrail.vehicle.evaluation.resolved_loads import unresolved_loads
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -67,7 +68,9 @@ class RunOutcome:
     def results(self) -> Results:
         """Solver statistics by side, status and files."""
         reached = f" at {self.history.distance[-1]:.1f} m" if len(self.history) else " before the first step"
-        lines = [f"{self.status}{reached}{self._halt}", *(f"  {file}" for file in self.files)]
+        own, wheelsets = self.history, self.history.dynamics.vehicle.wheelsets
+        remarks = unresolved_loads(own.time, own.distance, wheelsets, own.force[..., 2])
+        lines = [*remarks, f"{self.status}{reached}{self._halt}", *(f"  {file}" for file in self.files)]
         if self.resumable:
             lines.append("  --resume continues the run from its last checkpoint")
         steps = self.history.cost.steps
@@ -77,6 +80,7 @@ class RunOutcome:
             "time": self.history.time[-1] if len(self.history) else None,
             "files": self.files,
             "resumable": self.resumable,
+            "remarks": remarks,
             "steps": {name: getattr(steps, name) for name in ("accepted", "rejected", "failed", "evaluations")},
             "seconds": self.history.cost.seconds,
         }

@@ -14,6 +14,7 @@ from wheelrail.scenes.datasets.result_table import Results, TextTable
 from wheelrail.scenes.datasets.run_file import RESULTS, read_run
 from wheelrail.scenes.quantities import SAFETY
 from wheelrail.scenes.schema.errors import SceneError
+from wheelrail.vehicle.evaluation.resolved_loads import unresolved_loads
 from wheelrail.vehicle.evaluation.running_safety import WINDOW, Assessed, WheelsetSafety, wheelset_safety
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ UNCONFIRMED = "Limits of Q and of the rms are those of UIC 518, not compared wit
 
 
 class Safety(NamedTuple):
-    """Assessed quantities by wheelset, and remarks on a run that is not complete."""
+    """Assessed quantities by wheelset, and remarks on a run that is not complete or not resolved."""
 
     wheelsets: dict[str, WheelsetSafety]
     remarks: list[str]
@@ -82,6 +83,12 @@ def with_forces(data: Dataset, file: Path, start: float = 0.0, end: float = inf)
             raise SceneError(f"{file}: no contact forces over {longest:.1f} m: must be known every {WINDOW:g} m")
         remarks.append(f"{count} of {len(known)} samples have no contact forces and are left out")
         section, forces = section.isel(time=known), forces.isel(time=known)
+    remarks += unresolved_loads(
+        section["time"].values,
+        section["distance"].values,
+        section["wheelset"].values.tolist(),
+        forces["vertical_force"].values,
+    )
     return section.assign(forces), remarks
 
 
