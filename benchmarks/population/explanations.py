@@ -17,12 +17,16 @@ DEEPEST = 0.05  # m below the nominal height, to which loads are searched for
 OVERLAP = 5e-4  # m: heights with more are no contact of elastic bodies
 NAMED = re.compile(r"(?:overlaps the rail (\S+) mm deep|touches the rail) at y = (\S+), z = (\S+) mm of its profile")
 OVERLOADED = re.compile(r"too deep for half-spaces: \S+ GPa are above")
+UNSTEADY = "the force jumps over", "Newton's method did not converge"
+PULLED = "the wheel is pulled onto its rail"
+LEAST_PULLING = 0.2  # friction whose force at the tread tilts a wheel by more than the load
 ALONG = re.compile(r"passes (\S+) mm along the rail")
 YIELDING = re.compile(r"do not settle.*would move them by \S+ mm")
 NEAR = 5e-3  # m on the profile of a wheel
 ORDINARY = (-50e-3, 45e-3)  # m, where a wheel touches a rail between flange tip and rim
 FIELD = 36e-3  # m on the profile of a wheel, up to which finite bodies carry contact
 STEEPEST = 0.05  # rad, to which a roll is looked for
+BESIDE = 5e-4  # m, from an overlap to the next strip, whose face counts, too
 CORNER = 1e-3  # m on the profile of a wheel, to the place that touches first
 LOWEST, LOWERED = -18e-3, 1e-4  # m: end of a meshed rail's points from its top; steps in which a wheel is lowered
 ROUNDED, NORMALS = 0.99, 1.1  # times the depth in a text, along the wheel's normal, up to 25 degrees off the rail's
@@ -46,9 +50,11 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
         if reason := next(filter(None, reasons), ""):
             return reason
     overloaded = OVERLOADED.search(result.status)
-    jumps = "the force jumps over" in result.status
-    if (overloaded or jumps) and any(_touches_corner(situation, side, roll) for roll in (at.roll, *rolls)):
+    unsteady = any(text in result.status for text in UNSTEADY)
+    if (overloaded or unsteady) and any(_touches_corner(situation, side, roll) for roll in (at.roll, *rolls)):
         return "carried by a corner of the wheel, where pressures are not bounded"
+    if PULLED in result.status and situation.on(side)["friction"] > LEAST_PULLING:
+        return "pulled onto its rail by friction as the axle bends, where equilibria turn back"
     if "z" in situation.solve:
         deepest = float(rigid.section(at).depth.max())
         return "pressed into the rail by more than half a millimetre" if deepest > OVERLAP else ""
@@ -83,7 +89,7 @@ def _named(situation: Situation, side: Side, place: tuple[float, float], roll: f
         return ""
     if situation.wheelset.get("bodies") in ("waveguide", "solid"):
         first = over & (low.depth > low.depth[over].max() - TOUCH)  # what touches first there
-        if low.y[first].max() > FIELD:
+        if low.y[first].max() > FIELD or (abs(y - FIELD) < CORNER and low.y[over].max() > FIELD):
             return "touches the rail beyond the part of a finite wheel that carries contact points"
     at_end = bool(np.abs(rigid.wheel_points[[0, -1], 0] - y).min() < 1e-3) or not ORDINARY[0] < y < ORDINARY[1]
     if at_end or z > TIP:
@@ -120,7 +126,7 @@ def _vertical(situation: Situation, side: Side, place: tuple[float, float], dept
             break
     else:
         return ""
-    over = (low.depth > 0.0) & (np.abs(low.y - place[0]) < NEAR)
+    over = (low.depth > -BESIDE) & (np.abs(low.y - place[0]) < NEAR)
     across, up = np.gradient(rigid.rail_points, axis=0)[rigid.nearest(low.place[over, 1:])].T
     return "presses against a vertical face of the rail" if (SINE * across < np.abs(up * np.sin(at.yaw))).any() else ""
 

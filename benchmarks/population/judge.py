@@ -30,6 +30,7 @@ STEP = {"y": 3e-5, "z": 1e-5}  # m, to the start of the warm solve
 BAND_APPROACH, BAND_FORCE = 0.5, 0.4
 BAND_NORMAL = 0.25  # of the wider range of normals of both patches, in which both resultants lie; 0.08 on gauge corners
 NO_RIM = re.compile(r"wheel disc_\w+ is \S+ m wide, the rim \S+ m$")
+NARROW, STRIPS_ONLY = "the width of the wheelset over its flanges", "error_estimate = true: allowed only with points"
 REFUSED = re.compile(r"(wheel_load|axle_load) = \S+: must be a number from (\S+) to (\S+)")
 
 
@@ -119,6 +120,11 @@ def of_exception(situation: Situation, error: Exception) -> tuple[Kind, str]:
         low, high = float(refused[2]), float(refused[3])
         if not low <= situation.solve[refused[1]] <= high:
             return "explained failure", f"refused: {refused[1]} out of range"
+    if NARROW in str(error) and sum(rigid.flange_y for rigid in situation.rigid.values()) > situation.wheelset["gauge"]:
+        return "explained failure", "refused: flanges wider apart than the rails"
+    strips = situation.wheelset.get("points", "lattice") == "lattice" and situation.wheelset.get("model") != "full"
+    if STRIPS_ONLY in str(error) and not strips:
+        return "explained failure", "refused: errors are estimated on strips only"
     meshed = "axle" in situation.wheelset or situation.wheelset.get("bodies") in ("waveguide", "solid")
     if meshed and NO_RIM.search(str(error)):
         return "explained failure", "refused: a disc is no wheel whose rim, web and hub are elastic"
@@ -182,6 +188,8 @@ def started_elsewhere(situation: Situation, results: Mapping[Side, SideResult]) 
     for side, result in results.items():
         if result.status != "converged":
             continue
+        # the pressure at a corner is not bounded: ends of strips beside it have several places
+        allowed = LOAD if on_corner(situation.rigid[side], result) else WARM
         state = replace(situation.state, z=result.z, roll=result.roll if side == "left" else -result.roll)
         aside = replace(state, y=state.y + STEP["y"], z=state.z + STEP["z"])
         (cold,) = contact.solve_side([state], side, [None])
@@ -199,7 +207,7 @@ def started_elsewhere(situation: Situation, results: Mapping[Side, SideResult]) 
                 continue
             force = again.force * (1.0, -1.0 if side == "right" else 1.0, 1.0)
             off = float(np.abs(force - result.force).max()) / result.load
-            if off > WARM:
+            if off > allowed:
                 yield f"{side}: solved {name} the force differs by {off:.1e}"
 
 

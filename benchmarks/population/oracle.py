@@ -20,6 +20,7 @@ from benchmarks.population.profiles import Shape, arc
 from wheelrail.support.arrays import Array, Mask, Nodes
 
 FINE = 1e-4  # m, spacing of the points: 0.1 µm off an arc of 13 mm
+FACE = 10e-3  # m above the tread, where the thickness of a flange is measured
 CORNER = 0.2  # rad between chords: a spline through a corner of 45 degrees, 0.2 mm apart, overshoots it by 8 um
 STEEPEST = 0.7  # sine of the largest angle about the axle at which a silhouette is looked for
 
@@ -111,6 +112,14 @@ class RigidSide:
         points, c, s = _dense(self.rail.points), np.cos(self.inclination), np.sin(self.inclination)
         turned = points @ np.array([[c, s], [-s, c]])
         return np.asarray(turned - _highest(turned))
+
+    @cached_property
+    def flange_y(self) -> float:
+        """Lateral position m of the flange's face, 10 mm above the tread, from the wheelset's centre."""
+        y, z = self.wheel_points.T
+        tip = int(np.argmax(z))
+        face = tip + int(np.argmax(z[tip:] < FACE))
+        return float(self.wheel_y + np.interp(FACE, z[[face, face - 1]], y[[face, face - 1]]))
 
     @cached_property
     def rail_y(self) -> float:

@@ -44,6 +44,8 @@ SHORTEST_LOADED = 2.0**-3  # where loads are searched: from other motions, if th
 LONGEST = 5e-3  # m and rad, largest step of a motion there
 LOADED = 0.1  # of the load: larger errors of a step are mended at its motions, whose errors count with the loads on
 RESTORED = 1e-2  # of the load: their error then
+TURNING = 0.05  # of the growth of motions by their loads, from 1, where equilibria turn back
+PULLED = ", where the wheel is pulled onto its rail: loads grow as fast as the motions that carry them"
 COLUMNS = COORDINATES + 18  # of derivatives: the wheelset's coordinates, then the motions of hubs and rails
 MIRRORED_HUB = np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0])  # factors of a hub's motion in the mirror y = 0
 MIRRORED_RAIL = np.array([-1.0, 1.0, -1.0])  # the same of a rail's
@@ -325,9 +327,18 @@ class FlexibleWheelset:
             if following is None:
                 if force <= STALLED_FORCE and place <= STALLED_PLACE:
                     return self._outcome(trial, solves, errors)
-                raise LoadError(f"hubs and rails do not settle: loads within {force:.1e}, motions within {place:.1e} m")
+                text = f"hubs and rails do not settle: loads within {force:.1e}, motions within {place:.1e} m"
+                ended = not loads.free and abs(self._growth(trial) - 1.0) < TURNING
+                raise LoadError(f"{text}{PULLED}" if ended else text)
             trial = following
         raise LoadError(f"hubs and rails do not settle in {MAX_STEPS} Newton steps")
+
+    def _growth(self, trial: Trial) -> float:
+        """Largest factor by which the motions due to changed loads exceed the motions that changed the loads.
+
+        Where it is 1 equilibria turn back: beyond, friction pulls the wheel onto its rail, and nothing stops it nearby.
+        """
+        return float(np.linalg.eigvals(np.eye(18) - self._jacobian(trial, Loads())).real.max())
 
     @cached_property
     def _frame(self) -> Array:

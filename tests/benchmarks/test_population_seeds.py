@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 import wheelrail as wr
 from benchmarks.population.checks import broken
 from benchmarks.population.draw import MESHED, Situation, with_profiles
@@ -59,6 +61,37 @@ def test_a_load_that_presses_a_wheel_against_a_vertical_face() -> None:
     verdict = judged(pressed_aside())
     assert verdict.kind == "explained failure"
     assert verdict.reason == "presses against a vertical face of the rail"
+
+
+def test_a_strip_whose_end_has_no_solution_is_that_of_finer_strips() -> None:
+    """Seed 901922, the right wheel on a flange of 69 degrees: "Newton's method did not converge (3 strips)" at 5 of 17
+    heights 1 um apart, at which the end of a strip of 29 mm had no solution.
+    """
+    own = {"wheel": wheel("cone", slope=0.025, face=1.047, hollow=0.00172175, hollow_field=0.000160276),
+           "rail": rail("groove", crown=0.5, radius=0.013, depth=0.047, width=0.042), "laying_angle": 0.025,
+           "radius": 0.631353, "gauge": 1.435, "flange_back_distance": 1.358, "friction": 0.810159,
+           "bodies": "half-space", "strips": 8, "cells": 8}  # fmt: skip
+    pair = wr.Wheelset(**with_profiles(own))
+    place = {"y": 0.00515158, "yaw": -2.82896e-05, "roll": 0.000433317, "speed": 7.55994, "y_rate": 0.00567901}
+    heights = np.linspace(3.7835e-3, 3.7678e-3, 17)
+    found = [pair.solve(z=float(z), **place, sides=("right",)).results["right"] for z in heights]
+    assert {result.status for result in found} == {"converged"}
+    force = np.array([result.force for result in found])
+    assert np.abs(np.diff(force, 2, axis=0)).max() < 1e-4 * np.abs(force).max()
+
+
+def test_a_wheel_that_friction_pulls_onto_its_rail() -> None:
+    """Seed 902101: 0.7 of friction tilts a wheel on an axle that bends, which lowers the wheel by more than the
+    load lifts it; heights at which 19 kN without an axle have no equilibrium said "do not settle", without a reason.
+    """
+    worn = wheel("S1002", hollow=0.000233462, hollow_field=0.000204042, tread=0.00134168, flange=0.00179031)
+    own = {"wheel": worn, "rail": rail("arcs", crown=0.254, radius=0.01), "laying_angle": 0.025, "radius": 0.596028,
+           "right": {"wheel": wheel("S1002"), "radius": 0.596075}, "gauge": 1.435, "flange_back_distance": 1.36,
+           "bodies": "half-space", "strips": 6, "cells": 6, "axle": True}  # fmt: skip
+    place = {"y": 8.68936e-06, "yaw": 0.00865956, "z": 0.000561163, "roll": 0.0, "speed": 0.310512}
+    pulled = wr.Wheelset(**with_profiles(own), friction=0.707966).solve(**place)
+    assert "pulled onto its rail: loads grow as fast as the motions that carry them" in pulled.status
+    assert wr.Wheelset(**with_profiles(own), friction=0.1).solve(**place).status == "converged"
 
 
 def test_resultants_within_the_normals_of_both_models() -> None:

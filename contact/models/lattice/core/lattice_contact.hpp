@@ -129,22 +129,33 @@ class LatticeContact {
         } catch (const Unsolved& error) {
             return result({LatticeOutcome::failed(error.what(), problem->approach())}, {}, {});
         }
+        auto solved = [&](int level) {
+            if (level == 0) return known ? *known : ordinary->solve(problem, from(0));
+            return on(level)->solve(on(level)->problem(motion), from(level));
+        };
         std::vector<LatticeOutcome> outcomes;
-        LatticeStart start{shares.levels, {}, known ? known->warm : nullptr};
-        for (int level : shares.levels) {
-            if (level == 0)
-                outcomes.push_back(known ? *known : ordinary->solve(problem, from(0)));
-            else
-                outcomes.push_back(on(level)->solve(on(level)->problem(motion), from(level)));
-            start.solutions.push_back(outcomes.back().warm);
+        for (int level : shares.levels) outcomes.push_back(solved(level));
+        // The end of a long strip on a steep flange may have no solution, of which finer strips have one.
+        for (std::size_t i = 0; i < outcomes.size(); ++i) {
+            if (outcomes[i].ok()) continue;
+            int finer = std::min(shares.levels.back() + int(i + 1 == outcomes.size()), FINEST);
+            bool stalled = outcomes[i].stalled;
+            auto other = stalled && finer > shares.levels.back() ? solved(finer) : outcomes.back();
+            if (!stalled || !other.ok() || !other.warm)
+                return result({outcomes[i]}, {}, start_of(shares.levels, outcomes, known));
+            return result({other}, {{finer}, 1.0, {}}, start_of({finer}, {other}, known));
         }
-        if (!known && shares.levels.front() == 0) start.ordinary = start.solutions.front();
-        for (const auto& at : outcomes)
-            if (!at.ok()) return result({at}, {}, start);
-        return result(outcomes, shares, start);
+        return result(outcomes, shares, start_of(shares.levels, outcomes, known));
     }
 
   private:
+    static LatticeStart start_of(const std::vector<int>& levels, const std::vector<LatticeOutcome>& outcomes,
+                                 const std::optional<LatticeOutcome>& known) {
+        LatticeStart start{levels, {}, known ? known->warm : nullptr};
+        for (const auto& at : outcomes) start.solutions.push_back(at.warm);
+        if (!known && levels.front() == 0) start.ordinary = start.solutions.front();
+        return start;
+    }
     static std::shared_ptr<LatticeResult> result(std::vector<LatticeOutcome> outcomes, const LevelShares& shares,
                                                  const LatticeStart& start) {
         return std::make_shared<LatticeResult>(std::move(outcomes), shares, start);

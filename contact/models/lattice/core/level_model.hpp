@@ -31,6 +31,7 @@ struct LatticeOutcome {
     std::shared_ptr<LatticeProblem> problem;
     std::shared_ptr<LatticeSolution> solution;  // none without load
     std::shared_ptr<LatticeSolution> warm;      // with which the next solve begins
+    bool stalled = false;                       // whether it failed as Newton's method did not converge
     double tension = INFINITE;                  // Pa, largest mean over a cell, of a solution that failed by it
 
     bool ok() const { return status != FAILED; }
@@ -128,6 +129,10 @@ class LevelModel {
             done.problem = of;
             done.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             return done;
+        } catch (const NotConverged& error) {
+            auto of = LatticeOutcome::failed(error.what(), approach);
+            of.stalled = true;
+            return of;
         } catch (const Unsolved& error) {
             return LatticeOutcome::failed(error.what(), approach);
         }
