@@ -38,7 +38,7 @@ FOLDER = Path(mkdtemp(prefix="assessed-"))
 
 # %% tags=["parameters"]
 CURVES = {700.0: (0.10, 32.0), 500.0: (0.10, 27.0), 300.0: (0.12, 22.0)}  # R, m: cant, m, and speed, m/s
-LENGTH = 700.0  # m of full curve
+TANGENT, TRANSITION, LENGTH = 60.0, 80.0, 700.0  # m, the last of full curve
 SEEDS = (1,)  # of the irregularities
 PARAMETERS = {
     "vehicle.elements.primary.stiffness.1": {"low": 2e6, "high": 6e6},  # N/m, across
@@ -57,8 +57,8 @@ PARAMETERS = {
 def run(radius, cant, speed, seed):
     """A run into a curve, stored in a folder of its own."""
     segments = [
-        {"kind": "tangent", "length": 60.0},
-        {"kind": "transition", "length": 80.0, "curvature": 1.0 / radius, "cant": cant},
+        {"kind": "tangent", "length": TANGENT},
+        {"kind": "transition", "length": TRANSITION, "curvature": 1.0 / radius, "cant": cant},
         {"kind": "arc", "length": LENGTH, "curvature": 1.0 / radius, "cant": cant},
     ]
     return wr.run(

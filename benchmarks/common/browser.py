@@ -16,6 +16,7 @@ from typing import Any
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 OPTIONS = ("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--remote-debugging-port=0")
+OPTIONS += ("--disable-extensions", "--disable-background-networking", "--disable-component-update")
 WAIT = 60.0  # s, for a condition
 
 

@@ -74,8 +74,9 @@ def test_a_wheels_life() -> None:
 
 def test_a_vehicle_assessed() -> None:
     """Acceleration of the steady curve is the unbalanced one; friction raises the guiding force."""
-    parameters = {"friction": {"low": 0.15, "high": 0.45}}
-    names = executed("12_a_vehicle_assessed.py", CURVES={300.0: (0.12, 22.0)}, LENGTH=110.0, PARAMETERS=parameters)
+    parameters = {"friction": {"low": 0.2, "high": 0.45}}
+    track = {"CURVES": {300.0: (0.12, 22.0)}, "TANGENT": 20.0, "TRANSITION": 40.0, "LENGTH": 100.0}
+    names = executed("12_a_vehicle_assessed.py", PARAMETERS=parameters, **track)
     (found,) = (
         own[own["criterion"]]
         for own in names["found"].data["estimates"]

@@ -192,7 +192,9 @@ def test_dropped_profiles(tab: Tab, tmp_path: Path) -> None:
     wait(tab, "get('notice').includes('10.4 MB: must be at most 10 MB')")
 
 
-def test_two_pages_show_the_same_contact(tab: Tab, chromium: Browser, page: Any) -> None:
+def test_two_pages_show_the_same_contact_until_one_is_closed_during_a_solve(
+    tab: Tab, chromium: Browser, page: Any
+) -> None:
     other = chromium.tab()
     other.open(page.url)
     other.wait("document.querySelectorAll('.wr-pressure canvas').length > 0")
@@ -200,8 +202,11 @@ def test_two_pages_show_the_same_contact(tab: Tab, chromium: Browser, page: Any)
     wait(tab, f"get('answered') === {get(other, 'answered')}")
     assert get(tab, "at_y") == 3.0
     assert get(tab, "values") == get(other, "values")
+    other.value("window.trame.state.update({ at_y: 4.0, at_strips: 24, at_cells: 24 })")
+    wait(tab, "get('at_strips') === 24 && get('busy')")
     chromium.close(other)
-    move(tab, at_y=2.0)  # a page that was closed stops nobody
+    move(tab)  # a page that was closed stops nobody
+    assert not get(tab, "stale")
 
 
 def test_what_takes_long_is_shown_and_cancelled(tab: Tab) -> None:
@@ -215,19 +220,9 @@ def test_what_takes_long_is_shown_and_cancelled(tab: Tab) -> None:
     assert not get(tab, "stale")
 
 
-def test_page_closed_during_a_solve(chromium: Browser, tab: Tab, page: Any) -> None:
-    other = chromium.tab()
-    other.open(page.url)
-    other.wait("document.querySelectorAll('.wr-pressure canvas').length > 0")
-    other.value("window.trame.state.update({ at_y: 4.0, at_strips: 24, at_cells: 24 })")
-    wait(tab, "get('at_strips') === 24 && get('busy')")
-    chromium.close(other)
-    move(tab)
-    assert not get(tab, "stale")
-
-
 def test_stress_of_a_hertz_pair_on_request(chromium: Browser) -> None:
-    pair = wr.Hertz((0.5, 0.5), (float("inf"), float("inf")), load=1e4, friction=0.0, strips=12, cells=14)
+    # a small patch: three times as few lines of the section as one of 6 mm
+    pair = wr.Hertz((0.1, 0.1), (float("inf"), float("inf")), load=1e3, friction=0.0, strips=12, cells=14)
     explorer = wr.explore(pair)
     try:
         own = chromium.tab()
@@ -238,7 +233,7 @@ def test_stress_of_a_hertz_pair_on_request(chromium: Browser) -> None:
         wait(own, "get('stress') && !get('busy')", 120.0)
         (panel,) = json.loads(get(own, "stress"))
         stress, depth = points(panel["drawing"]).T
-        exact = pair.closed_form(load=1e4)
+        exact = pair.closed_form(load=1e3)
         assert stress.max() == pytest.approx(0.62e-6 * exact.peak, rel=0.02)  # of a circle, nu = 0.3
         assert -depth[stress.argmax()] == pytest.approx(0.48e3 * exact.semi_axes[0], rel=0.25)  # among 24 depths
         assert not get(own, "requested_stale")

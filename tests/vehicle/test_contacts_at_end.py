@@ -158,7 +158,7 @@ def in_a_curve(method: str = "rosenbrock_ends", curvature: float = 1 / 600, rtol
 
 def test_runs_are_as_accurate_with_less_than_half_of_the_solves() -> None:
     """But for pitch angles: nothing depends on those of wheelsets, which keep what each impact on a flange adds."""
-    reference, plain, own = in_a_curve("rosenbrock", rtol=1e-4), in_a_curve("rosenbrock"), in_a_curve()
+    reference, plain, own = in_a_curve("rosenbrock", rtol=3e-4), in_a_curve("rosenbrock"), in_a_curve()
     away = [np.abs(run.state[-1] - reference.state[-1])[:42].reshape(7, 6) for run in (own, plain)]
     errors = [np.delete(each, 4, axis=1).max() for each in away]
     assert errors[0] < 1.5 * errors[1]

@@ -276,7 +276,7 @@ def test_cycles_that_grow_from_zero_vanish_at_the_linear_critical_speed() -> Non
     contact = CubicSpring(load=vehicle.mean_wheel_load, lateral=0.0, cubic=5e11)
     dynamics = VehicleDynamics(vehicle, Track(), contact, 10.0)
     search = CycleSearch(window=0.25, smallest=1e-4, rtol=1e-3, atol=1e-2)
-    speeds = (1.06 * critical.speed, 0.97 * critical.speed)
+    speeds = (1.03 * critical.speed, 0.985 * critical.speed)
     cycles = list(limit_cycles(dynamics, speeds, {"wheelset": 3e-3}, search))
     assert [cycle.status for cycle in cycles] == ["limit cycle", "dies out"]
     cycles += bisected_fold(dynamics, cycles, 0.015 * critical.speed, search)
