@@ -130,20 +130,21 @@ def first_contacts(wheelset: RigidWheelset, state: WheelsetState) -> tuple[Wheel
     raise ValueError(f"y = {state.y:.6g} m: no height and roll found at which both wheels touch the rails")
 
 
-def contact_without_roll(wheelset: RigidWheelset, y: float) -> FirstContact:
-    """Contact point of the left wheel, lowered alone to first contact, without roll and yaw.
+def contact_without_roll(wheelset: RigidWheelset, y: float, z: float = 0.0) -> tuple[float, FirstContact]:
+    """Height m and contact point of the left wheel, lowered alone to first contact, without roll and yaw.
 
     Parameters:
         wheelset: rigid surfaces and mounting of the left-hand pair.
         y: lateral position of the wheelset, m.
+        z: first height, m.
 
     Raises ValueError without solution.
     """
-    state = WheelsetState(y=y)
+    state = WheelsetState(y=y, z=z)
     for _ in range(ITERATIONS):
         contact = contact_point(wheelset.pair, wheelset.mounting, state)
         if abs(contact.penetration - TOUCH) < TOLERANCE:
-            return contact
+            return state.z, contact
         if contact.normal[2] < LEAN:
             break
         state = replace(state, z=state.z + (contact.penetration - TOUCH) / float(contact.normal[2]))

@@ -33,10 +33,18 @@ def difference_with_roll(wheelset: RigidWheelset, y: Array) -> Array:
 def difference_without_roll(wheelset: RigidWheelset, y: Array) -> Array:
     """Rolling radius difference (n,) m at positions (n,) m of a wheelset that does not roll."""
     left, right = (
-        np.array([_rolling_radius(pair, contact_without_roll(pair, at)) for at in (hand * y).tolist()])
-        for pair, hand in ((wheelset, 1.0), (wheelset.on("right"), -1.0))
+        _radii_without_roll(pair, hand * y) for pair, hand in ((wheelset, 1.0), (wheelset.on("right"), -1.0))
     )
     return np.asarray(left - right)
+
+
+def _radii_without_roll(wheelset: RigidWheelset, y: Array) -> Array:
+    """Rolling radii (n,) m of the left wheel at positions (n,) m, each sought from the height of the one before."""
+    radii, z = np.empty(len(y)), 0.0
+    for i, at in enumerate(y.tolist()):
+        z, touch = contact_without_roll(wheelset, at, z)
+        radii[i] = _rolling_radius(wheelset, touch)
+    return radii
 
 
 def _rolling_radius(wheelset: RigidWheelset, touch: FirstContact) -> float:

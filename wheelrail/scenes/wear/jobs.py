@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import CancelledError, Executor
+from concurrent.futures import CancelledError, Executor, Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -86,10 +86,16 @@ def _profile(table: bytes, path: Path, name: str, removed: bytes) -> WearingProf
 
 
 def rates_of(executor: Executor, jobs: Sequence[CaseJob]) -> Iterator[CaseRates]:
-    """Rates of jobs in their order, of any executor's workers. Raises RunFailed, also for a worker that is lost."""
+    """Rates of jobs, which begin now, in their order; of any executor's workers.
+
+    The iterator raises RunFailed, also for a worker that is lost.
+    """
+    return _results([executor.submit(rated, job) for job in jobs])
+
+
+def _results(running: Sequence[Future[CaseRates]]) -> Iterator[CaseRates]:
     from wheelrail.scenes.studies.workers import LOST, SchedulerGone
 
-    running = [executor.submit(rated, job) for job in jobs]
     try:
         for future in running:
             yield future.result()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -221,10 +221,10 @@ class WearLoop:
         }
         while True:
             start = perf_counter()
-            values, solved = self._measured(state), dict[str, CaseRates]()
-            if state.distance < until:
-                rates, solved = self._rated(state)
-                values |= rates
+            rated = self._rated(state) if state.distance < until else lambda: ({}, {})
+            values = self._measured(state)  # while other processes solve
+            rates, solved = rated()
+            values |= rates
             values["seconds"] = perf_counter() - start
             rails = {name: rail.profile for name, rail in state.rails.items()}
             step = step_dataset(state.profiles, shares, values, attributes, rails)
@@ -269,12 +269,21 @@ class WearLoop:
             for name, own in state.profiles.items()
         ]
 
-    def _rated(self, state: WearState) -> tuple[dict[str, Any], dict[str, CaseRates]]:
-        """Values of the rates of all cases, and the newly solved rates by case."""
-        every = self.duty.cases
-        kept = {case.name: state.kept(case.name, case.table.share) for case in every}
-        open_cases = [(number, case) for number, case in enumerate(every) if kept[case.name] is None]
+    def _rated(self, state: WearState) -> Callable[[], tuple[dict[str, Any], dict[str, CaseRates]]]:
+        """Function that awaits the values of the rates of all cases, and the newly solved rates by case."""
+        kept = {case.name: state.kept(case.name, case.table.share) for case in self.duty.cases}
+        open_cases = [(number, case) for number, case in enumerate(self.duty.cases) if kept[case.name] is None]
         rated = zip(open_cases, self._case_rates(state, open_cases), strict=True)
+        return lambda: self._rate_values(state, kept, rated)
+
+    def _rate_values(
+        self,
+        state: WearState,
+        kept: dict[str, CaseRates | None],
+        rated: Iterable[tuple[tuple[int, Case], CaseRates]],
+    ) -> tuple[dict[str, Any], dict[str, CaseRates]]:
+        """The same of kept rates by case and of those that are being solved."""
+        every = self.duty.cases
         solved = {case.name: rates for (_, case), rates in rated}
         cases = [(kept | solved)[case.name].rates for case in every]  # type: ignore[union-attr]
         shares = [case.table.share for case in self.duty.cases]
@@ -300,17 +309,22 @@ class WearLoop:
         return found | {"smoothing_length": np.stack([own.length for own in steps.values()])}
 
     def _case_rates(self, state: WearState, cases: Sequence[tuple[int, Case]]) -> Iterator[CaseRates]:
-        """Rates of cases with their numbers at a state, in their order."""
+        """Rates of cases with their numbers at a state, in their order; other processes begin now."""
+        if self.executor is None:
+            return self._own_rates(state, cases)
+        profiles, renewed = state.surfaces, state.renewed
+        jobs = [CaseJob.of(self.duty, number, profiles, renewed, state.guesses(case.name)) for number, case in cases]
+        return self._reported(state, len(cases), rates_of(self.executor, jobs))
+
+    def _reported(self, state: WearState, count: int, rated: Iterator[CaseRates]) -> Iterator[CaseRates]:
+        words, done = f"step {len(self.steps)}", state.distance / self.duty.table.until
+        for number, rates in enumerate(rated, start=1):
+            self.report(done, f"{words}: {number} of {count} cases")
+            yield rates
+
+    def _own_rates(self, state: WearState, cases: Sequence[tuple[int, Case]]) -> Iterator[CaseRates]:
         words, done = f"step {len(self.steps)}", state.distance / self.duty.table.until
         profiles, renewed = state.surfaces, state.renewed
-        if self.executor is not None:
-            jobs = [
-                CaseJob.of(self.duty, number, profiles, renewed, state.guesses(case.name)) for number, case in cases
-            ]
-            for number, rates in enumerate(rates_of(self.executor, jobs), start=1):
-                self.report(done, f"{words}: {number} of {len(cases)} cases")
-                yield rates
-            return
         with self.duty.contacts(profiles, renewed, [case for _, case in cases]) as contacts:
             for _, case in cases:
                 self.report(done, f"{words}: {case.name}")
