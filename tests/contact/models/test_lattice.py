@@ -224,7 +224,7 @@ def test_rolling_of_unlike_half_spaces(creepage: tuple[float, float, float], swa
     model = replace(model, resolution=LatticeResolution(24, 16))
     materials = UNLIKE[::-1] if swapped else UNLIKE
     a, b = expected.semi_axes
-    cells = Cells.inside_ellipse(1.06 * a, 1.06 * b, 32, 32)
+    cells = Cells.inside_ellipse(1.06 * a, 1.06 * b, 28, 28)
     depth = expected.approach - 0.5 / RADII[0] * cells.x**2 - 0.5 / RADII[1] * cells.y**2
     xi, eta, phi = creepage
     rigid = np.concatenate([xi - phi * cells.y, eta + phi * cells.x])
@@ -255,20 +255,18 @@ def test_unlike_blocks_are_unlike_half_spaces(swapped: bool) -> None:
 @pytest.mark.parametrize(("friction", "yaw"), [(0.0, 0.0), (0.3, 15e-3), (0.6, 5e-3)])
 @pytest.mark.parametrize("sweep", SWEEPS)
 def test_force_is_a_function_of_the_pose(sweep: str, friction: float, yaw: float) -> None:
-    """From the neighbour in a sweep of 5 um, a pose 0.3 mm away, none, and without friction: 1e-6 of the load."""
+    """From the neighbour in a sweep of 5 um as from none, a pose 0.3 mm away, and without friction: 1e-6 of the load."""
     y, z, slope = SWEEPS[sweep]
     contact = wheelset(friction)
     earlier = contact(rolling(y, z, yaw), "left")
     far = contact(rolling(y - 3e-4, z - 3e-4 * slope, yaw), "left")
-    for k in range(1, 4):
+    smooth = contact.changed(lambda own: own.frictionless)(rolling(y + 15e-6, z + 15e-6 * slope, yaw), "left")  # type: ignore[attr-defined]
+    for k, guess in enumerate((None, far, smooth), start=1):
         state = rolling(y + 5e-6 * k, z + 5e-6 * k * slope, yaw)
-        earlier = contact(state, "left", earlier)
-        smooth = contact.changed(lambda own: own.frictionless)(state, "left")  # type: ignore[attr-defined]
-        others = [contact(state, "left", guess) for guess in (None, far, smooth)]
+        earlier, other = contact(state, "left", earlier), contact(state, "left", guess)
         assert earlier.status == "converged"
-        for other in others:
-            np.testing.assert_allclose(other.force, earlier.force, atol=1e-6 * np.linalg.norm(earlier.force))
-            np.testing.assert_array_equal(start(other).strips, start(earlier).strips)
+        np.testing.assert_allclose(other.force, earlier.force, atol=1e-6 * np.linalg.norm(earlier.force))
+        np.testing.assert_array_equal(start(other).strips, start(earlier).strips)
 
 
 @pytest.mark.parametrize(
@@ -317,7 +315,7 @@ def test_tangent(friction: float, bodies: Bodies, place: tuple[float, float, flo
     """Central differences over 0.2 um to 1e-4 of the largest entry of a row, moving ends included."""
     contact = wheelset(friction, bodies)
     state = replace(rolling(*place), y_rate=0.01, frame_rate=(0.0, 0.0, SPEED / 600))
-    result = contact(state, "left")
+    result = contact(state, "left", contact(replace(state, z=state.z + 1e-4), "left"))  # cold, the last one takes 6 s
     found = contact.tangent(state, "left", result)
     expected = np.zeros((6, len(state.coordinates)))
     for k, key in enumerate(state.coordinates):
@@ -397,7 +395,7 @@ def test_tangents_do_not_jump_where_cells_begin_to_slide() -> None:
     """Over creepages at which some 15 cells begin to slide: halved steps halve the largest change of the slope."""
     contact, place = replace(ellipse(0.3), tolerance=1e-10), hertz_pose(exact().approach)
     changes = []
-    for count in (81, 161):
+    for count in (41, 81):
         slopes = [contact(place, flowing(xi)).tangent()[0, 6] for xi in np.linspace(3e-4, 1.5e-3, count)]
         changes.append(np.abs(np.diff(slopes)).max())
     assert changes[1] < 0.65 * changes[0]

@@ -134,9 +134,9 @@ def test_level_changes_without_a_step(bound: float) -> None:
 
 @cache
 def light_wheels(bodies: Bodies) -> tuple[LatticeContact, LatticeContact]:
-    """The wheel, and the same on strips and cells twice as fine."""
+    """The wheel, and the same on 1.5 times as many strips and cells."""
     model = replace(wheel(bodies), tolerance=1e-9)
-    return model, replace(model, resolution=LatticeResolution(28, 24))
+    return model, replace(model, resolution=LatticeResolution(21, 18))
 
 
 @pytest.mark.parametrize("bodies", ["half-space", "waveguide"])
