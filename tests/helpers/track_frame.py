@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +28,12 @@ class Frame(NamedTuple):
     down: Array
 
 
+sections = cache(TrackSections)
+
+
 def frame_at(track: Track, s: float, speed: float, acceleration: float = 0.0) -> Frame:
     """Frame at a distance m."""
-    _, axes, rate, slope = TrackSections(track).at(np.array(s), s)
+    _, axes, rate, slope = sections(track).at(np.array(s), s)
     return Frame(speed, acceleration, speed * rate, acceleration * rate + speed**2 * slope, -axes[2])
 
 

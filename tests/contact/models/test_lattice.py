@@ -255,7 +255,7 @@ def test_unlike_blocks_are_unlike_half_spaces(swapped: bool) -> None:
 @pytest.mark.parametrize(("friction", "yaw"), [(0.0, 0.0), (0.3, 15e-3), (0.6, 5e-3)])
 @pytest.mark.parametrize("sweep", SWEEPS)
 def test_force_is_a_function_of_the_pose(sweep: str, friction: float, yaw: float) -> None:
-    """From the neighbour in a sweep of 5 um as from none, a pose 0.3 mm away, and without friction: 1e-6 of the load."""
+    """From the neighbour in a sweep of 5 um as from none, a pose 0.3 mm away and without friction: 1e-6 of the load."""
     y, z, slope = SWEEPS[sweep]
     contact = wheelset(friction)
     earlier = contact(rolling(y, z, yaw), "left")

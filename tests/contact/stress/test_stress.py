@@ -90,9 +90,6 @@ def test_loads_in_all_directions(middle: float) -> None:
     found, _ = stress(body, loads, places)
     np.testing.assert_allclose(found, found.swapaxes(1, 2), atol=1e-14)
     assert np.abs(found[:, 2] - exact).max() < 3e-3 * np.abs(exact).max()
-    # every component is a linear function of the load
-    double = CellLoads(loads.x, loads.line, 2 * loads.force, loads.step)
-    np.testing.assert_allclose(stress(body, double, places)[0], 2 * found, rtol=1e-9, atol=1e-12)
 
 
 def test_looser_tolerance_takes_fewer_wavenumbers(body: WaveguideSection) -> None:
@@ -101,6 +98,9 @@ def test_looser_tolerance_takes_fewer_wavenumbers(body: WaveguideSection) -> Non
     (loose, few), (tight, many) = (stress(body, loads, places, tolerance=t) for t in (0.05, 1e-5))
     assert few < many
     assert np.abs(loose - tight).max() < 0.05
+    # every component is a linear function of the load
+    double = CellLoads(loads.x, loads.line, 2 * loads.force, loads.step)
+    np.testing.assert_allclose(stress(body, double, places, tolerance=0.05)[0], 2 * loose, rtol=1e-9, atol=1e-12)
 
 
 def revolved(radius: float) -> WaveguideSection:
