@@ -42,7 +42,7 @@ def broken(situation: Situation, side: Side, result: SideResult) -> list[str]:
     fastsim = own.get("model") == "standard" and own.get("tangential") != "polach"
     return [*finite(result)] or [
         *_forces(situation, side, result),
-        *laws(result, situation.on(side)["friction"], fastsim),
+        *laws(result, situation.on(side)["friction"], fastsim, dissipates=own.get("tangential") != "polach"),
         *_pose(situation, side, result),
         *_overlap(situation, side, section, result),
     ]

@@ -91,7 +91,10 @@ def _named(situation: Situation, side: Side, place: tuple[float, float], roll: f
         first = over & (low.depth > low.depth[over].max() - TOUCH)  # what touches first there
         if low.y[first].max() > FIELD or (abs(y - FIELD) < CORNER and low.y[over].max() > FIELD):
             return "touches the rail beyond the part of a finite wheel that carries contact points"
-    at_end = bool(np.abs(rigid.wheel_points[[0, -1], 0] - y).min() < 1e-3) or not ORDINARY[0] < y < ORDINARY[1]
+    at_end = (
+        bool(np.abs(rigid.wheel_points[[[0], [-1]], 0] - low.y[over]).min() < CORNER)
+        or not ORDINARY[0] < y < ORDINARY[1]
+    )
     if at_end or z > TIP:
         return f"names an overlap of the {'flange' if y < 0.0 else 'rim'}"
     ends = np.hypot(*(low.place[over, None, 1:] - rigid.rail_points[[0, -1]]).T)

@@ -188,11 +188,14 @@ def started_elsewhere(situation: Situation, results: Mapping[Side, SideResult]) 
     for side, result in results.items():
         if result.status != "converged":
             continue
-        # the pressure at a corner is not bounded: ends of strips beside it have several places
-        allowed = LOAD if on_corner(situation.rigid[side], result) else WARM
+        # the pressure at a corner is not bounded: ends of strips beside it have several places, or none from none
+        corner = on_corner(situation.rigid[side], result)
+        allowed = LOAD if corner else WARM
         state = replace(situation.state, z=result.z, roll=result.roll if side == "left" else -result.roll)
         aside = replace(state, y=state.y + STEP["y"], z=state.z + STEP["z"])
         (cold,) = contact.solve_side([state], side, [None])
+        if not cold.ok and corner:
+            continue
         if not cold.ok:
             yield f"{side}: solved from none: {cold.status}"
             continue

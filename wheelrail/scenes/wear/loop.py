@@ -270,7 +270,7 @@ class WearLoop:
         ]
 
     def _rated(self, state: WearState) -> Callable[[], tuple[dict[str, Any], dict[str, CaseRates]]]:
-        """Function that awaits the values of the rates of all cases, and the newly solved rates by case."""
+        """Function that awaits and returns the values of the rates of all cases, and newly solved rates by case."""
         kept = {case.name: state.kept(case.name, case.table.share) for case in self.duty.cases}
         open_cases = [(number, case) for number, case in enumerate(self.duty.cases) if kept[case.name] is None]
         rated = zip(open_cases, self._case_rates(state, open_cases), strict=True)
@@ -282,7 +282,7 @@ class WearLoop:
         kept: dict[str, CaseRates | None],
         rated: Iterable[tuple[tuple[int, Case], CaseRates]],
     ) -> tuple[dict[str, Any], dict[str, CaseRates]]:
-        """The same of kept rates by case and of those that are being solved."""
+        """Values of rates that are kept, by case, and of rates being solved; the latter by case."""
         every = self.duty.cases
         solved = {case.name: rates for (_, case), rates in rated}
         cases = [(kept | solved)[case.name].rates for case in every]  # type: ignore[union-attr]
