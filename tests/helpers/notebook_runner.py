@@ -6,6 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import pytest
+from study_workers import Here
+
+from wheelrail.scenes.studies import run
+
 NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
 ALL = sorted(NOTEBOOKS.glob("*.py"))
 VIEW = '"view"'  # tag
@@ -27,8 +32,8 @@ def view_cell() -> str:
 
 
 def executed(name: str, **parameters: Any) -> dict[str, Any]:
-    """Final namespace of a notebook whose tagged parameters cell is replaced. All figures must label their axes with
-    units; figures are closed.
+    """Final namespace of a notebook whose tagged parameters cell is replaced. Studies work in this process. All
+    figures must label their axes with units; figures are closed.
     """
     import matplotlib
 
@@ -40,7 +45,8 @@ def executed(name: str, **parameters: Any) -> dict[str, Any]:
     replaced = False
     pyplot.close("all")  # of other tests in this process
     try:
-        with matplotlib.rc_context():
+        with matplotlib.rc_context(), pytest.MonkeyPatch.context() as patched:
+            patched.setattr(run, "processes", lambda count: Here())
             for heading, body in cells(notebook):
                 if VIEW in heading:
                     continue

@@ -10,8 +10,10 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import pytest
+from study_workers import Here
 
 import wheelrail as wr
+from wheelrail.scenes.studies import run
 from wheelrail.scenes.studies.run import run_study
 
 mpl.use("Agg")
@@ -26,7 +28,8 @@ def blocks(page: str, language: str) -> list[str]:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with a copy of the scene that the page names."""
+    """A folder with a copy of the scene that the page names; studies are worked on in this process."""
+    monkeypatch.setattr(run, "processes", lambda count: Here())
     shutil.copy(ROOT / "scenes" / "hertz.toml", tmp_path)
     monkeypatch.chdir(tmp_path)
     return tmp_path

@@ -143,19 +143,20 @@ def test_truncated_file_is_rebuilt(folder: Path) -> None:
 
 
 def test_any_flipped_bit_is_detected_or_harmless(folder: Path) -> None:
+    """Two bits of every byte, in turns."""
     store("kind/name", ARRAYS)
     path = folder / "kind" / "name.npz"
     whole = path.read_bytes()
     noticed = 0
     for place in range(len(whole)):
-        for bit in range(8):
+        for bit in (place % 4, 4 + place % 4):
             path.write_bytes(whole[:place] + bytes([whole[place] ^ 1 << bit]) + whole[place + 1 :])
             found = load("kind/name")
             if found is None or not set(ARRAYS) <= set(found):  # the latter is rebuilt by `cached`
                 noticed += 1
             else:
                 assert same(found, ARRAYS), f"bit {bit} of byte {place}"
-    assert noticed > 4 * len(whole)  # other bytes are dates and padding
+    assert noticed > len(whole)  # other bytes are dates and padding
 
 
 def test_wrong_arrays_are_rebuilt(folder: Path) -> None:

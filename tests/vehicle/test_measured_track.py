@@ -25,7 +25,7 @@ from wheelrail.vehicle.track.measured_track import (
 )
 from wheelrail.vehicle.track.track_quality import quality, quality_class, spectral_density
 
-S, LONG = np.arange(0.0, 400.0, 0.25), np.arange(0.0, 1200.0, 0.25)
+S, LONG = np.arange(0.0, 400.0, 0.25), np.arange(0.0, 1200.0, 0.5)
 
 
 def track(seed: int = 3) -> np.ndarray:

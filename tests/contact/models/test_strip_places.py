@@ -41,7 +41,7 @@ def steering(strips: int, places: int) -> np.ndarray:
 
 
 def test_the_mean_slope_of_wide_strips_is_that_of_narrow_ones() -> None:
-    wide, narrow = steering(8, 8), steering(32, 4)
+    wide, narrow = steering(8, 8), steering(28, 3)
     assert wide.std() > 0.03 * abs(wide.mean())
     assert narrow.std() < 0.3 * wide.std()
     assert wide.mean() == pytest.approx(narrow.mean(), rel=0.02)
