@@ -63,7 +63,7 @@ def test_hunting() -> None:
 
 def test_a_wheels_life() -> None:
     """Energy in the sharp curve grows with friction, and sharp curves wear more; a worn wheel bears on other places."""
-    changes = {"bodies": "half-space", "strips": 6, "cells": 6}
+    changes = {"bodies": "half-space", "strips": 4, "cells": 6}
     names = executed("10_a_wheels_life.py", UNTIL=3e5, CHANGES=changes, PLACES=(0.0, 5.0), FRICTION=[0.2, 0.4])
     assert names["worn"].status == "completed"
     assert (names["peaks"]["worn"] / names["peaks"]["new"]).between(0.5, 2.0).all()

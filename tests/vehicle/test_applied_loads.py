@@ -360,7 +360,7 @@ def test_energy_balance_of_a_run_with_motors_brakes_and_wind() -> None:
     )
     track = Track.curve(curvature=1 / 500, cant=0.0, transition=7.5, length=25.0)
     dynamics = VehicleDynamics(free(), track, LinearCreep(), 20.0, loads=AppliedLoads((*motors, *brakes), forces))
-    run = simulate(dynamics, (0.0, 1.0), steps=StepSettings("rosenbrock", 1e-5, 1e-8))
+    run = simulate(dynamics, (0.0, 1.0), steps=StepSettings("rosenbrock", 3e-5, 3e-8))
     assert run.status == "completed"
     energy = [mechanical_energy(dynamics, row.time, row.state) for row in run.rows]
     powers = np.array(
@@ -409,7 +409,7 @@ def test_mirrored_run() -> None:
         wind = BodyForce("car_body", (1.0, 0.0, 2.0), lateral=LoadTable(((0.05, 0.0), (0.1, side * 1e4))))
         loads = replace(on_all(LoadTable(((0.1, 0.0), (0.2, 9e3))), brake=True), forces=(wind,))
         track = Track.curve(curvature=side / 500, cant=0.06, transition=15.0, length=50.0)
-        runs.append(simulate(VehicleDynamics(free(), track, wheel_on_rail(), 25.0, loads=loads), (0.0, 0.5)))
+        runs.append(simulate(VehicleDynamics(free(), track, wheel_on_rail(), 25.0, loads=loads), (0.0, 0.3)))
     left, right = runs
     assert left.status == right.status == "completed"
     np.testing.assert_array_equal(right.time, left.time)
@@ -427,8 +427,8 @@ def test_free_run_on_irregular_rails_follows_them_where_it_is() -> None:
     drift[np.add(c, [dynamics.coordinates.index(name, X) for name in dynamics.vehicle.names])] += 10.0
     drift[np.add(c, [dynamics.coordinates.index(name, PITCH) for name in NAMES])] += 10.0 / 0.46
     steps = StepSettings("rosenbrock", 1e-3, 1e-5)
-    one = simulate(dynamics, (0.0, 1.5), initial=start, steps=steps, recording=Recording(0.01))
-    two = simulate(slow, (0.0, 1.5), initial=drift, steps=steps, recording=Recording(0.01))
+    one = simulate(dynamics, (0.0, 0.8), initial=start, steps=steps, recording=Recording(0.01))
+    two = simulate(slow, (0.0, 0.8), initial=drift, steps=steps, recording=Recording(0.01))
     assert one.status == two.status == "completed"
     assert two.cost.steps.accepted < 1.1 * one.cost.steps.accepted
     np.testing.assert_allclose(two.distance, one.distance, rtol=0.0, atol=1e-4)
