@@ -63,7 +63,7 @@ def test_a_wave_of_the_alignment_in_time(response: FrequencyResponse) -> None:
     track = Track(irregularities=Irregularities.faded(s, values, start=15.0))
     dynamics = VehicleDynamics(load_vehicle(), track, CONTACT, SPEED)
     steps = StepSettings("rosenbrock", rtol=1e-4, atol=3e-9)
-    end = 4.0
+    end = 3.0
     run = simulate(dynamics, (0.0, end), initial=response.solution.state, steps=steps, recording=Recording(0.01))
     late = run.time > end - 5.0 / FREQUENCY[i] + 1e-9
     basis = np.exp(-2j * np.pi * FREQUENCY[i] * run.time[late])

@@ -37,10 +37,10 @@ def into_a_curve(contact: object, curvature: float, method: str, end: float) -> 
     ("contact", "method", "end"),
     [
         (lambda: CONTACT, "ode45", 0.1),
-        (lambda: CONTACT, "rosenbrock", 0.6),
-        (wheel_on_rail, "rosenbrock", 0.6),
-        (lambda: wheel_on_rail(normal="hertz", tangential="polach"), "rosenbrock", 0.4),
-        (few_strips, "rosenbrock", 0.35),
+        (lambda: CONTACT, "rosenbrock", 0.4),
+        (wheel_on_rail, "rosenbrock", 0.4),
+        (lambda: wheel_on_rail(normal="hertz", tangential="polach"), "rosenbrock", 0.3),
+        (few_strips, "rosenbrock", 0.25),
     ],
     ids=["explicit", "implicit by differences", "standard", "hertz and polach", "strips"],
 )
