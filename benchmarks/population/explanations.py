@@ -18,6 +18,7 @@ OVERLAP = 5e-4  # m: heights with more are no contact of elastic bodies
 NAMED = re.compile(r"(?:overlaps the rail (\S+) mm deep|touches the rail) at y = (\S+), z = (\S+) mm of its profile")
 OVERLOADED = re.compile(r"too deep for half-spaces: \S+ GPa are above")
 UNSTEADY = "the force jumps over", "Newton's method did not converge"
+BEYOND = "far beyond its load"
 PULLED = "the wheel is pulled onto its rail"
 LEAST_PULLING = 0.2  # friction whose force at the tread tilts a wheel by more than the load
 ALONG = re.compile(r"passes (\S+) mm along the rail")
@@ -59,7 +60,7 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
         deepest = float(rigid.section(at).depth.max())
         return "pressed into the rail by more than half a millimetre" if deepest > OVERLAP else ""
     along, yielding = ALONG.search(result.status), YIELDING.search(result.status)
-    if (overloaded or named or yielding) and any(_locked(situation, side, roll) for roll in rolls):
+    if (overloaded or named or yielding or BEYOND in result.status) and any(_locked(situation, side, roll) for roll in rolls):
         return "held down by friction on its flange to an overlap of half a millimetre"
     if along:
         strips = situation.with_model(bodies="waveguide")
