@@ -27,7 +27,7 @@ from wheelrail.vehicle.track.track import Track
 from wheelrail.vehicle.wagon.wagon import Wagon
 
 CURVE = Track.curve(curvature=1 / 600, cant=0.06, transition=30.0, length=200.0, gradient=0.01)
-SPAN = (0.0, 0.4)
+SPAN = (0.0, 0.3)
 
 
 def run(wagon: Wagon, track: Track, speed: float | SpeedProfile, rtol: float, method: str = "ode45") -> History:
