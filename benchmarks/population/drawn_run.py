@@ -102,7 +102,8 @@ class Run:
     @property
     def named(self) -> tuple[str, ...]:
         """Wheelsets of a vehicle with a contact of their own: other profiles, and half the friction."""
-        return self.vehicle.wheelsets[1::2] if not self.plane and self.drawn["named"] < 0.15 else ()
+        named = not (self.plane or self.supple) and self.drawn["named"] < 0.15
+        return self.vehicle.wheelsets[1::2] if named else ()
 
     @property
     def turning(self) -> tuple[str, ...]:
