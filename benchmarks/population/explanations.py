@@ -60,7 +60,8 @@ def explanation(situation: Situation, side: Side, result: SideResult) -> str:
         deepest = float(rigid.section(at).depth.max())
         return "pressed into the rail by more than half a millimetre" if deepest > OVERLAP else ""
     along, yielding = ALONG.search(result.status), YIELDING.search(result.status)
-    if (overloaded or named or yielding or BEYOND in result.status) and any(_locked(situation, side, roll) for roll in rolls):
+    held = overloaded or named or yielding or BEYOND in result.status
+    if held and any(_locked(situation, side, roll) for roll in rolls):
         return "held down by friction on its flange to an overlap of half a millimetre"
     if along:
         strips = situation.with_model(bodies="waveguide")
