@@ -32,6 +32,13 @@ class Run(StoredDataset):
         return str(self.data.attrs["status"])
 
     @property
+    def remarks(self) -> list[str]:
+        """Limits of the results: largest wheel loads that the rows do not resolve."""
+        from wheelrail.scenes.runs.safety_table import load_remarks
+
+        return load_remarks(self.data)
+
+    @property
     def plot(self) -> RunPlots:
         """Figures: `plot()`, `plot.displacements()`, `plot.lateral_forces()`, `plot.vertical_forces()`,
         `plot.bands("wheel")` and `plot.bands("rail")`.

@@ -83,13 +83,14 @@ def with_forces(data: Dataset, file: Path, start: float = 0.0, end: float = inf)
             raise SceneError(f"{file}: no contact forces over {longest:.1f} m: must be known every {WINDOW:g} m")
         remarks.append(f"{count} of {len(known)} samples have no contact forces and are left out")
         section, forces = section.isel(time=known), forces.isel(time=known)
-    remarks += unresolved_loads(
-        section["time"].values,
-        section["distance"].values,
-        section["wheelset"].values.tolist(),
-        forces["vertical_force"].values,
-    )
+    remarks += load_remarks(section)
     return section.assign(forces), remarks
+
+
+def load_remarks(data: Dataset) -> list[str]:
+    """Remarks on largest wheel loads that the rows of a run do not resolve."""
+    load = data["vertical_force"].sel(side=list(SIDES)).transpose("time", "wheelset", "side").values
+    return unresolved_loads(data["time"].values, data["distance"].values, data["wheelset"].values.tolist(), load)
 
 
 def safety_results(safety: Safety) -> Results:
