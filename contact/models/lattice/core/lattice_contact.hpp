@@ -134,6 +134,7 @@ class LatticeContact {
             return on(level)->solve(on(level)->problem(motion), from(level));
         };
         std::vector<LatticeOutcome> outcomes;
+        outcomes.reserve(shares.levels.size());
         for (int level : shares.levels) outcomes.push_back(solved(level));
         // The end of a long strip on a steep flange may have no solution, of which finer strips have one.
         for (std::size_t i = 0; i < outcomes.size(); ++i) {
@@ -152,6 +153,7 @@ class LatticeContact {
     static LatticeStart start_of(const std::vector<int>& levels, const std::vector<LatticeOutcome>& outcomes,
                                  const std::optional<LatticeOutcome>& known) {
         LatticeStart start{levels, {}, known ? known->warm : nullptr};
+        start.solutions.reserve(outcomes.size());
         for (const auto& at : outcomes) start.solutions.push_back(at.warm);
         if (!known && levels.front() == 0) start.ordinary = start.solutions.front();
         return start;
