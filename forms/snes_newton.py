@@ -89,7 +89,10 @@ class SnesNewton:
         if self.convergence_criterion != "residual":
             raise ValueError(f'convergence_criterion = {self.convergence_criterion!r}: must be "residual"')
         self.snes.setTolerances(rtol=self.rtol, atol=self.atol, stol=0.0, max_it=self.max_it)
-        self.snes.solve(None, x)
+        try:
+            self.snes.solve(None, x)
+        except PETSc.Error as error:
+            raise error.__cause__ or error from None  # of a callback, for which newer petsc4py has its own error
         converged = self.snes.getConvergedReason() > 0
         if self.error_on_nonconvergence and not converged:
             raise RuntimeError(f"Newton's method: no convergence, reason {self.snes.getConvergedReason()} of SNES")
