@@ -55,7 +55,7 @@ def _lines(part: Any, title: str = "") -> Iterator[str]:
     for name, value in values.items():
         unit = "fraction of it in the plane model" if title == "scaling" else units.get(name)
         if isinstance(value, ForceLaw):
-            yield from (f"{name} = [  # {unit}", *(f"  [{x!r}, {f!r}]," for x, f in value.points), "]")
+            yield from (f"{name} = [  # {unit}", *(f"  [{float(x)!r}, {float(f)!r}]," for x, f in value.points), "]")
         elif isinstance(value, float | int):
             yield f"{name} = {float(value)!r}  # {unit}"
     for name, value in values.items():

@@ -92,7 +92,7 @@ def _steps(data: Dataset, number: int) -> ResultTable:
         Column("step", "step", itemgetter("step"), "1", 0),
         *(Column.showing(WEAR[name], itemgetter(name), name) for name in NAMES),
     ]
-    title = f"Wear of the profile {data['profile'].values[number]!r} over the distance"
+    title = f"Wear of the profile {str(data['profile'].values[number])!r} over the distance"
     return ResultTable("steps", title, columns, rows)
 
 
