@@ -136,15 +136,14 @@ class LatticeContact {
         std::vector<LatticeOutcome> outcomes;
         outcomes.reserve(shares.levels.size());
         for (int level : shares.levels) outcomes.push_back(solved(level));
-        // The end of a long strip on a steep flange may have no solution, of which finer strips have one.
+        // The end of a long strip on a steep flange may have no solution, where the other level's strips have one.
         for (std::size_t i = 0; i < outcomes.size(); ++i) {
             if (outcomes[i].ok()) continue;
-            int finer = std::min(shares.levels.back() + int(i + 1 == outcomes.size()), FINEST);
-            bool stalled = outcomes[i].stalled;
-            auto other = stalled && finer > shares.levels.back() ? solved(finer) : outcomes.back();
-            if (!stalled || !other.ok() || !other.warm)
+            std::size_t k = outcomes.size() - 1 - i;
+            if (!outcomes[i].stalled || !outcomes[k].ok() || !outcomes[k].warm)
                 return result({outcomes[i]}, {}, start_of(shares.levels, outcomes, known));
-            return result({other}, {{finer}, 1.0, {}}, start_of({finer}, {other}, known));
+            int level = shares.levels[k];
+            return result({outcomes[k]}, {{level}, 1.0, {}}, start_of({level}, {outcomes[k]}, known));
         }
         return result(outcomes, shares, start_of(shares.levels, outcomes, known));
     }
