@@ -37,10 +37,8 @@ MOMENTUM = 0.01  # of the weight: means of forces over a run, by rows at all ste
 SPIN = 0.02  # of the moments on both wheels: means over a run
 FRICTION = 1e-3  # of the bound: forces are split by normals of undeformed wheels
 SHORT = 0.25  # m, steps of the comparison
-Y_BAND, Q_BAND = (
-    (3e-4, 0.1),
-    (0.05, 0.15),
-)  # m and part of the largest |y|; of the mean wheel load and of the wheel's largest Q
+Y_BAND = 3e-4, 0.1  # m, and part of the largest |y|
+Q_BAND = 0.05, 0.15  # of the mean wheel load, and of the wheel's largest Q
 CLIMBING, TURNED, UNLOADED = 9e-3, 0.2, 0.01  # m beyond all clearances of flanges; rad; of the mean wheel load
 PLACE = 10.0  # m, within which short steps end likewise
 MORE = 1.001  # times the friction: less than anyone knows

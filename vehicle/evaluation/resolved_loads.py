@@ -10,9 +10,7 @@ from wheelrail.contact.kinematics.frames import SIDES
 from wheelrail.support.arrays import Array
 
 ROUGH = 0.05  # of a largest load
-FINE = (
-    2e-4  # s, between rows: ten a period at 500 Hz, above which no wheel rings; a peak is then of a kink in the track
-)
+FINE = 2e-4  # s, between rows: ten a period at 500 Hz; what stands out there is a kink of the track
 
 
 def unresolved_loads(time: Array, distance: Array, wheelsets: Sequence[str], load: Array) -> list[str]:

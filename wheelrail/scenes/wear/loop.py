@@ -316,18 +316,19 @@ class WearLoop:
         jobs = [CaseJob.of(self.duty, number, profiles, renewed, state.guesses(case.name)) for number, case in cases]
         return self._reported(state, len(cases), rates_of(self.executor, jobs))
 
+    def _report(self, state: WearState, words: str) -> None:
+        self.report(state.distance / self.duty.table.until, f"step {len(self.steps)}: {words}")
+
     def _reported(self, state: WearState, count: int, rated: Iterator[CaseRates]) -> Iterator[CaseRates]:
-        words, done = f"step {len(self.steps)}", state.distance / self.duty.table.until
         for number, rates in enumerate(rated, start=1):
-            self.report(done, f"{words}: {number} of {count} cases")
+            self._report(state, f"{number} of {count} cases")
             yield rates
 
     def _own_rates(self, state: WearState, cases: Sequence[tuple[int, Case]]) -> Iterator[CaseRates]:
-        words, done = f"step {len(self.steps)}", state.distance / self.duty.table.until
         profiles, renewed = state.surfaces, state.renewed
         with self.duty.contacts(profiles, renewed, [case for _, case in cases]) as contacts:
             for _, case in cases:
-                self.report(done, f"{words}: {case.name}")
+                self._report(state, case.name)
                 yield self.duty.rates(case, contacts[case.contact_key], profiles, state.guesses(case.name))
 
     def _steps(self, state: WearState, values: Mapping[Any, Any]) -> tuple[dict[str, Step], float]:

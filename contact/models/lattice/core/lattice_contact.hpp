@@ -129,13 +129,14 @@ class LatticeContact {
         } catch (const Unsolved& error) {
             return result({LatticeOutcome::failed(error.what(), problem->approach())}, {}, {});
         }
-        auto solved = [&](int level) {
-            if (level == 0) return known ? *known : ordinary->solve(problem, from(0));
-            return on(level)->solve(on(level)->problem(motion), from(level));
-        };
         std::vector<LatticeOutcome> outcomes;
         outcomes.reserve(shares.levels.size());
-        for (int level : shares.levels) outcomes.push_back(solved(level));
+        for (int level : shares.levels) {
+            if (level == 0)
+                outcomes.push_back(known ? *known : ordinary->solve(problem, from(0)));
+            else
+                outcomes.push_back(on(level)->solve(on(level)->problem(motion), from(level)));
+        }
         // The end of a long strip on a steep flange may have no solution, where the other level's strips have one.
         for (std::size_t i = 0; i < outcomes.size(); ++i) {
             if (outcomes[i].ok()) continue;

@@ -129,12 +129,10 @@ class LevelModel {
             done.problem = of;
             done.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
             return done;
-        } catch (const NotConverged& error) {
-            auto of = LatticeOutcome::failed(error.what(), approach);
-            of.stalled = true;
-            return of;
         } catch (const Unsolved& error) {
-            return LatticeOutcome::failed(error.what(), approach);
+            auto failed = LatticeOutcome::failed(error.what(), approach);
+            failed.stalled = dynamic_cast<const NotConverged*>(&error);
+            return failed;
         }
     }
 
